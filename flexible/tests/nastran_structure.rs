@@ -294,6 +294,48 @@ CBUSH,1,7,1,2,,,,0
     }
 }
 
+/// A bushing along the line of its ends: the spring's extension is the difference of the ends' displacements along it.
+/// One on the ground acts along the x axis of its system.
+#[test]
+fn a_bushing_along_one_axis_is_a_spring_along_its_line() {
+    let mesh = mesh(
+        "CORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.
+GRID,1,,1.,1.,0.
+GRID,2,,4.,5.,0.
+PBUSH1D,7,250.,3.
+,SPRING,TABLE,9
+CBUSH1D,1,7,1,2
+CBUSH1D,2,7,2,,2
+CBUSH1D,7,,2,1
+",
+    );
+    assert_eq!(unread(&mesh), []);
+    let moved = |node: u32, freedom: u8| -> f64 {
+        // (0.1, 0.2, 0.4) at node 1 and (0.3, 0.7, 0.9) at node 2, without turns
+        let places = [
+            [0.1, 0.2, 0.4, 0.0, 0.0, 0.0],
+            [0.3, 0.7, 0.9, 0.0, 0.0, 0.0],
+        ];
+        places[node as usize][usize::from(freedom)]
+    };
+    let along = (0.3 - 0.1) * 0.6 + (0.7 - 0.2) * 0.8;
+    // the system's x axis is y of the basic one
+    for (spring, (extension, grounded)) in
+        mesh.springs
+            .iter()
+            .zip([(along, false), (0.7, true), (along, false)])
+    {
+        assert!(agrees(spring.stiffness, 250.0, 1e-14));
+        let terms = spring.terms.iter();
+        let found: f64 = terms
+            .map(|(node, freedom, factor)| factor * moved(*node, *freedom))
+            .sum();
+        assert!(agrees(found.abs(), extension, 1e-12), "{found} {extension}");
+        assert_eq!(spring.grounded, grounded);
+    }
+    assert_eq!(mesh.springs.len(), 3);
+}
+
 #[test]
 fn bushings_without_axes_or_stiffness_are_refused() {
     let told = |cards: &str| problem(&format!("{GRIDS}{cards}")).problem;
@@ -328,6 +370,18 @@ fn bushings_without_axes_or_stiffness_are_refused() {
             "bushing 1 uses coordinate system 4, which is missing",
         ),
         ("PBUSH,7,K,1.\nCBUSH,1,7,1,2\n,,0,x\n", "S1"),
+        (
+            "PBUSH,7,K,1.\nCBUSH1D,1,7,1,2\n",
+            "bushing 1 uses property 7, which is missing",
+        ),
+        (
+            "PBUSH1D,7,1.\nCBUSH1D,1,7,1\n",
+            "bushing 1 has both ends at one place, or one end, and no axes",
+        ),
+        (
+            "PBUSH1D,7,1.\nCBUSH1D,1,7,1,2,2\n",
+            "the x axis of system 2 of bushing 1 is not along the line between its ends",
+        ),
     ];
     for (cards, expected) in cases {
         let found = told(cards);
@@ -335,6 +389,8 @@ fn bushings_without_axes_or_stiffness_are_refused() {
     }
     let lost = mesh(&format!("{GRIDS}PBUSH,7,K,1.\n,,M,2.\nCBUSH,1,7,1,2\n"));
     assert_eq!(unread(&lost), [("mass of PBUSH", 1, Carries::Structure)]);
+    let lost = mesh(&format!("{GRIDS}PBUSH1D,7,1.,,2.\nCBUSH1D,1,7,1,2\n"));
+    assert_eq!(unread(&lost), [("mass of PBUSH1D", 1, Carries::Structure)]);
 }
 
 #[test]

@@ -44,4 +44,4 @@ for k in range(LONG):
 here = Path(__file__).parent
 write(here / "bar.bdf", nodes, hexas)
 cube = {1000 + i: (100.0 + 5 * x, 5.0 * y, 5.0 * z) for i, (x, y, z) in enumerate([(*c, 0) for c in CORNERS] + [(*c, 2) for c in CORNERS])}
-write(here / "bar_loose.bdf", nodes | cube, [*hexas, list(cube)], [fields("CBUSH1D", 9000, 1, 1, 2)])
+write(here / "bar_loose.bdf", nodes | cube, [*hexas, list(cube)], [fields("CGAP", 9000, 1, 1, 2)])

@@ -1,4 +1,4 @@
-//! Bushings: `CBUSH` with the stiffness of `PBUSH`.
+//! Bushings: `CBUSH` with the stiffness of `PBUSH`, and `CBUSH1D`, which acts along one axis, with that of `PBUSH1D`.
 
 use std::collections::BTreeMap;
 
@@ -13,6 +13,9 @@ use crate::mesh::{Carries, Frame, Spring, along_axes};
 
 /// Length (of the deck's unit) below which the two ends are at one place: that of Nastran.
 const COINCIDENT: f64 = 1e-4;
+/// Sine of the angle between an axis and a line below which they count as parallel. A choice: that of coordinates
+/// with five digits.
+const ALONG: f64 = 1e-4;
 
 /// The axes of a bushing.
 #[derive(Clone, Debug)]
@@ -34,10 +37,28 @@ enum Place {
     Point(u64, [f64; 3]),
 }
 
+/// The card of a bushing's stiffness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Of {
+    Pbush,
+    Pbush1d,
+}
+
+impl Of {
+    fn name(self) -> &'static str {
+        match self {
+            Of::Pbush => "PBUSH",
+            Of::Pbush1d => "PBUSH1D",
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 struct BushCard {
     order: u64,
     id: u64,
+    /// The card of its property.
+    of: Of,
     property: u64,
     ends: [Option<u64>; 2],
     given: Given,
@@ -49,7 +70,7 @@ struct BushCard {
 #[derive(Debug, Default)]
 pub(super) struct Bushes {
     cards: Vec<BushCard>,
-    stiffness: BTreeMap<u64, [f64; 6]>,
+    stiffness: BTreeMap<(Of, u64), [f64; 6]>,
 }
 
 impl Bushes {
@@ -58,6 +79,8 @@ impl Bushes {
         match card.name.as_str() {
             "CBUSH" => self.element(card)?,
             "PBUSH" => self.property(card, unread)?,
+            "CBUSH1D" => self.axial_element(card)?,
+            "PBUSH1D" => self.axial_property(card, unread)?,
             _ => return Ok(false),
         }
         Ok(true)
@@ -66,11 +89,6 @@ impl Bushes {
     /// `CBUSH EID PID GA GB GO/X1 X2 X3 CID / S OCID S1 S2 S3`: a blank GB is the ground. An OCID of 0 or more places
     /// the bushing at S1 S2 S3 in this system, and S does not count.
     fn element(&mut self, card: &Card) -> Result<(), FileProblem> {
-        let id = card.id(0, "EID")?;
-        let end = |i: usize, name: &str| {
-            let id = card.optional_id(i, name)?;
-            Ok::<_, FileProblem>(id.filter(|id| *id > 0))
-        };
         let fields = [4, 5, 6].map(|i| card.text(i).to_string());
         let given = match card.optional_id(7, "CID")? {
             Some(system) => Given::System(system),
@@ -87,9 +105,27 @@ impl Bushes {
                 Place::Point(card.optional_id(9, "OCID")?.unwrap_or(0), point)
             }
         };
+        self.add(card, Of::Pbush, given, place)
+    }
+
+    /// `CBUSH1D EID PID GA GB CID`: along the x axis of CID, or the line from GA to GB. A blank GB is the ground.
+    fn axial_element(&mut self, card: &Card) -> Result<(), FileProblem> {
+        let system = card.optional_id(4, "CID")?;
+        let given = system.map_or(Given::Line, Given::System);
+        self.add(card, Of::Pbush1d, given, Place::Share(0.5))
+    }
+
+    /// Adds an element with the number, property and ends of its card.
+    fn add(&mut self, card: &Card, of: Of, given: Given, place: Place) -> Result<(), FileProblem> {
+        let id = card.id(0, "EID")?;
+        let end = |i: usize, name: &str| {
+            let id = card.optional_id(i, name)?;
+            Ok::<_, FileProblem>(id.filter(|id| *id > 0))
+        };
         self.cards.push(BushCard {
             order: card.order,
             id,
+            of,
             property: card
                 .optional_id(1, "PID")?
                 .filter(|id| *id > 0)
@@ -129,7 +165,29 @@ impl Bushes {
                 }
             }
         }
-        if self.stiffness.insert(id, stiffness).is_some() {
+        self.define(card, Of::Pbush, id, stiffness)
+    }
+
+    /// `PBUSH1D PID K C M SA SE`. The damping C and the factors of stress recovery have no place in a mesh. The lines
+    /// SPRING, DAMPER, SHOCKA and GENER count in nonlinear solutions alone.
+    fn axial_property(&mut self, card: &Card, unread: &mut UnreadCards) -> Result<(), FileProblem> {
+        let id = card.id(0, "PID")?;
+        let mut stiffness = [0.0; 6];
+        stiffness[0] = card.real_or_zero(1, "K")?;
+        if card.real_or_zero(3, "M")? != 0.0 {
+            unread.note("mass of PBUSH1D", &card.at, Carries::Structure);
+        }
+        self.define(card, Of::Pbush1d, id, stiffness)
+    }
+
+    fn define(
+        &mut self,
+        card: &Card,
+        of: Of,
+        id: u64,
+        stiffness: [f64; 6],
+    ) -> Result<(), FileProblem> {
+        if self.stiffness.insert((of, id), stiffness).is_some() {
             return Err(card.problem(
                 &format!("property {id} of bushings is defined twice"),
                 "renumber or remove one of them",
@@ -148,13 +206,16 @@ impl Bushes {
         super::masses::distinct("bushing", self.cards.iter().map(|card| (card.id, &card.at)))?;
         let mut springs = Vec::new();
         for card in &self.cards {
-            let Some(stiffness) = self.stiffness.get(&card.property) else {
+            let Some(stiffness) = self.stiffness.get(&(card.of, card.property)) else {
                 return Err(card.at.problem(
                     format!(
                         "bushing {} uses property {}, which is missing",
                         card.id, card.property
                     ),
-                    "add its PBUSH card, or INCLUDE the file that holds it",
+                    format!(
+                        "add its {} card, or INCLUDE the file that holds it",
+                        card.of.name()
+                    ),
                 ));
             };
             card.springs(stiffness, around, frames, &mut springs)?;
@@ -244,7 +305,19 @@ impl BushCard {
         let orientation = match &self.given {
             Given::System(system) => {
                 let place = around.position(first);
-                return around.systems.axes_at(*system, place, &user, &self.at);
+                let axes = around.systems.axes_at(*system, place, &user, &self.at)?;
+                // Nastran's codes differ in the moments of such a force
+                let off = norm(cross(axes.map(|row| row[0]), along));
+                if self.of == Of::Pbush1d && off > ALONG * norm(along) + COINCIDENT {
+                    return Err(self.at.problem(
+                        format!(
+                            "the x axis of system {system} of bushing {} is not along the line between its ends",
+                            self.id
+                        ),
+                        "leave CID blank, so that it acts along this line; or write CBUSH and PBUSH",
+                    ));
+                }
+                return Ok(axes);
             }
             _ if norm(along) < COINCIDENT => {
                 return Err(self.at.problem(
