@@ -115,6 +115,7 @@ pub fn run_kinematic(
     for index in 0..=run.count {
         if index > 0 {
             run.follow(&mut state, index)?;
+            run.require_repeated(&state, index)?;
         }
         if !run.determined.shared.is_empty() {
             let recorded = &run.determined.channels;
@@ -269,6 +270,21 @@ impl Prepared {
             Grid::Angle([_, part, _]) => part.abs(),
         };
         self.follow_to(state, index as f64 * part)
+    }
+
+    /// Refuses states that have not repeated at a sample after whole cycles.
+    fn require_repeated(&self, state: &State, index: usize) -> Result<(), RuntimeError> {
+        let (Grid::Angle([_, part, _]), Some(period), States::Followed) =
+            (self.grid, self.mechanism.period(), &self.mechanism.states)
+        else {
+            return Ok(());
+        };
+        let cycles = index as f64 * part.abs() / period;
+        if (cycles - libm::round(cycles)).abs() > REACHED {
+            return Ok(());
+        }
+        self.mechanism
+            .require_kept(&self.start.states, &state.states)
     }
 
     /// Brings a state to a place of the range, in the unit of the grid, in the sense of the motion.

@@ -23,6 +23,9 @@ const SHORTEST: f64 = 1.0 / 4096.0;
 /// Change of a state until the cycles repeat, as a share of its scale, at which it repeats. A choice: a
 /// hundred times the error of a step.
 const REPEATS: f64 = 1e-6;
+/// Largest change of a state over whole cycles of the samples, as a share of its scale. A choice: ten times the error
+/// of a step over a jump. A state that reads the time or an unwrapped angle changes by more.
+const KEPT: f64 = 1e-4;
 /// Change over a cycle, as a share of the scale, that is rounding. A choice: some thousand rounding units,
 /// for the steps of a cycle.
 const ROUNDING: f64 = 1e-12;
@@ -80,6 +83,27 @@ impl Mechanism {
         Ok(along(&mean, h))
     }
 
+    /// States after a step in two halves, and a fifteenth of their difference from those of the whole step.
+    fn twice(
+        &mut self,
+        piece: &Piece,
+        [begin, part]: [f64; 2],
+        (states, first): (&[f64], &[f64]),
+        at: &mut State,
+    ) -> Result<(Vec<f64>, Vec<f64>), RuntimeError> {
+        let half = 0.5 * part;
+        let whole = self.runge_kutta(piece, [begin, part], (states, first), at)?;
+        let middle = self.runge_kutta(piece, [begin, half], (states, first), at)?;
+        let second = self.rates_at(piece, begin + half, &middle, at)?;
+        let fine = self.runge_kutta(piece, [begin + half, half], (&middle, &second), at)?;
+        let off = fine
+            .iter()
+            .zip(&whole)
+            .map(|(f, w)| (f - w) / 15.0)
+            .collect();
+        Ok((fine, off))
+    }
+
     /// Takes the states over a piece of the motion. Returns whether the error of every step is small enough.
     pub(super) fn follow_states(
         &mut self,
@@ -93,16 +117,16 @@ impl Mechanism {
             // all places are whole multiples of the shortest step, so the sums have no rounding
             part = part.min(1.0 - begin);
             let half = 0.5 * part;
-            let whole = self.runge_kutta(piece, [begin, part], (states, &first), &mut at)?;
-            let middle = self.runge_kutta(piece, [begin, half], (states, &first), &mut at)?;
-            let second = self.rates_at(piece, begin + half, &middle, &mut at)?;
-            let fine =
-                self.runge_kutta(piece, [begin + half, half], (&middle, &second), &mut at)?;
-            let off: Vec<f64> = fine
-                .iter()
-                .zip(&whole)
-                .map(|(f, w)| (f - w) / 15.0)
-                .collect();
+            let tried = self.twice(piece, [begin, part], (states, &first), &mut at);
+            let (fine, off) = match tried {
+                Ok(tried) => tried,
+                // a trial may leave the range of the law, such as a pressure below zero
+                Err(RuntimeError::NotFinite { .. }) if part > SHORTEST => {
+                    part = half;
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
             let scaled = off.iter().zip(&self.model.state_scales);
             let error = scaled.fold(0.0, |most: f64, (off, scale)| {
                 // a step with no number is no good step
@@ -131,6 +155,21 @@ impl Mechanism {
             }
         }
         Ok(true)
+    }
+
+    /// Refuses states that differ from those of the first sample after whole cycles.
+    pub(super) fn require_kept(&self, first: &[f64], states: &[f64]) -> Result<(), RuntimeError> {
+        if self.changed(first, states) <= KEPT {
+            return Ok(());
+        }
+        let element = self.element_with_state();
+        let origin = element.map(|element| super::origin_of(&self.model, element));
+        let path = origin.as_ref().map_or("an element", |origin| &origin.path);
+        Err(self.refused(
+            origin.clone(),
+            format!("{path}: its state differs from that of the first sample after whole cycles: its rate reads the time or an unwrapped angle, or has a pulse that is shorter than 0.7° of the motion"),
+            "state the range as a time: then states begin with the values of the text; or run a `transient`",
+        ))
     }
 
     /// Refuses states that do not repeat.
