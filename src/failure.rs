@@ -665,6 +665,15 @@ pub(crate) fn periodic(
             name(decay.channel),
         ));
     }
+    if found.leaps > 0 {
+        facts.push(format!(
+            "leapt {} over the decay of a slow motion: if several motions repeat, this may be another one than that of the start",
+            match found.leaps {
+                1 => "once".to_owned(),
+                times => format!("{times} times"),
+            }
+        ));
+    }
     for growth in &found.growing {
         let unit = system
             .channels

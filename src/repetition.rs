@@ -16,6 +16,9 @@ const FACTOR: &str = "periodic.factor";
 const NOISE: &str = "periodic.noise";
 const ERRATIC: &str = "periodic.erratic";
 
+/// The remedy of too few cycles.
+const MORE: &str = "allow more: `cycles: 100`";
+
 /// Factor per cycle above which more cycles hardly help. A choice: a hundred cycles win less than a digit.
 pub(crate) const HARDLY_SHRINKS: f64 = 0.98;
 /// Factor per cycle above which deviations grow. It is the limit of the runtime (`SUSTAINED`).
@@ -132,10 +135,23 @@ impl Repetition {
         format!("{repeats} after {} cycles{least}", self.cycles)
     }
 
+    /// The warning about a last cycle that no other one precedes.
+    fn uncompared(&self, analysis: &Origin) -> Diagnostic {
+        let message = Diagnostic::warning(
+            codes::NOT_PERIODIC,
+            format!("the cycle does not repeat after {} cycles", self.cycles),
+        );
+        place(message, analysis, "the last cycle is kept")
+            .with_note("no cycle before the last one has its steps and continues into it, so nothing shows how much it changes")
+            .with_help(MORE)
+    }
+
     /// The warning about a cycle that does not repeat, or about an output that is lost in the noise of the
     /// steps, at the line of its analysis.
     pub fn warning(&self, analysis: &Origin) -> Option<Diagnostic> {
-        let slowest = self.slowest.as_ref()?;
+        let Some(slowest) = &self.slowest else {
+            return (!self.repeats).then(|| self.uncompared(analysis));
+        };
         let share = format!("{} %", significant(100.0 * slowest.change, 3));
         if let Some(remedy) = &self.noise {
             let message = Diagnostic::warning(
@@ -171,16 +187,15 @@ impl Repetition {
                     .with_help("impacts, stops and dry friction make such motions, and more cycles do not help: look at the forces of this part, take the mean of many cycles of a `transient`, or accept more: `change`"),
             );
         }
-        let more = "allow more: `cycles: 100`";
         Some(match slowest.factor {
             None => message
                 .with_note("so few cycles don't tell how fast its change shrinks")
-                .with_help(more),
+                .with_help(MORE),
             Some(factor) => {
                 let message =
                     message.with_note(format!("deviations of the motion {}", pace(factor)));
                 if factor < HARDLY_SHRINKS {
-                    message.with_help(more)
+                    message.with_help(MORE)
                 } else if factor <= HARDLY_GROWS {
                     message.with_help("look for whirl, a resonance or a speed that creeps; if it is small it is the steps' own error, and `tolerance: 0.1` makes less of it; or accept more: `change: 1 %`")
                 } else {

@@ -255,3 +255,49 @@ fn what_never_repeats_is_not_said_to_shrink() {
         "{told}"
     );
 }
+
+/// A disc on its coupling, and a state that keeps 0.882 of its deviation a cycle: every run that does not repeat has its
+/// warning, however few cycles follow the wide ones or a leap.
+#[test]
+fn a_run_that_ends_beside_a_leap_is_told() {
+    let text = "
+use std.joints.Revolute
+use std.forces.TorsionSpring
+use std.drives.ConstantSpeed
+force Load(a: Marker, b: Marker) {
+    let turn = rotation(a, b)
+    apply torque -10 N*m*(1 + 0.5*cos(2*turn))*b.z on a against b
+}
+force S(a: Marker, b: Marker) {
+    let th = rotation(a, b)
+    state x: 1 = 5 scale 1
+    der(x) = (10*cos(th) + 3*sin(3*th) - x)/(0.8 s)*1
+    output y: 1 = x
+    apply torque 0 N*m*b.z on a against b
+}
+model M {
+    gravity = [0, 0, 0] m/s^2
+    marker bearing = [0, 0, 0] mm
+    body disc { mass = 10 kg; inertia = [60, 60, 100] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 10] rev/s }
+    body motor { mass = 1 kg; inertia = [1, 1, 1] g*m^2; marker hub = origin }
+    joint journal = Revolute(disc.hub, bearing)
+    drive turn = ConstantSpeed(motor.hub, bearing, speed: 10 rev/s)
+    force coupling = TorsionSpring(disc.hub, motor.hub, stiffness: 250 N*m/rad, damping: 4 N*m*s/rad)
+    force load = Load(disc.hub, bearing)
+    force s = S(disc.hub, bearing)
+    cycle angle = rotation(disc.hub, bearing) { period = 360 deg }
+    
+}
+analysis steady = periodic(M(), start: assembled, sample: 5 deg, cycles: CYCLES)
+analysis long = transient(M(), start: assembled, duration: 400 rev, sample: 5 deg)
+";
+    for cycles in 5..=14 {
+        let told = told("beside", &text.replace("CYCLES", &cycles.to_string()));
+        let repeats = told.contains("repeats after") && !told.contains("does not repeat");
+        assert!(
+            repeats != told.contains("warning[W0713]"),
+            "{cycles}: {told}"
+        );
+        assert!(cycles > 12 || !repeats, "{told}");
+    }
+}

@@ -96,6 +96,8 @@ pub struct PeriodicSummary {
     pub run: RunSummary,
     /// Whole cycles.
     pub cycles: u32,
+    /// Leaps over the decay of a slow motion.
+    pub leaps: u32,
     /// Whether the last cycle repeats the one before within the requested change.
     pub repeats: bool,
     /// The channel that changed most from the last cycle but one to the last.
@@ -211,6 +213,7 @@ pub fn run_periodic(
             ..run
         },
         cycles: cycles.done,
+        leaps: cycles.leapt,
         repeats: cycles.repeats,
         slowest: cycles.slowest,
         decay: cycles.decay,
@@ -329,6 +332,8 @@ struct Cycles<'a> {
     decay: Option<Decay>,
     growing: Vec<Growth>,
     leaps: Leaps,
+    /// Number of leaps.
+    leapt: u32,
     /// Whether leaps are of use: no film whirls, and each leap came closer to repetition than cycles without it.
     leaping: bool,
     /// The mode of the motion in the cycles before those that count, and the change of the last one before a leap.
@@ -473,6 +478,7 @@ impl Observer for Cycles<'_> {
                 change: slowest.change,
             });
             self.since = Some(0);
+            self.leapt += 1;
             self.forget();
             self.now = Record::default();
             return Ok(Some(self.renewed(simulation, true)));
@@ -566,6 +572,7 @@ impl<'a> Cycles<'a> {
             decay: None,
             growing: Vec::new(),
             leaps: Leaps::default(),
+            leapt: 0,
             leaping: true,
             left: None,
             since: None,
@@ -672,6 +679,10 @@ impl Cycles<'_> {
         let fit = self.moved.fit.filter(|fit| {
             self.leaping && self.moved.turns && leap::saves(fit.mode, far) && saves(slowest.mode)
         })?;
+        // the cycles after a leap decide whether the motion repeats
+        if self.done + PLAIN_CYCLES as u32 > self.limit.cycles {
+            return None;
+        }
         self.leaps.next(simulation.model(), &fit)
     }
 
