@@ -60,7 +60,7 @@ pub use matrices::read_dmig;
 use nonstructural::NonStructural;
 use panels::Panels;
 use plates::Thickness;
-use properties::{Made, Properties};
+use properties::{Properties, UsedProperties};
 use sections::{CaseControl, read_cards};
 use sets::Sets;
 use supports::Supports;
@@ -375,7 +375,7 @@ impl Deck {
     ) -> Result<Vec<u64>, FileProblem> {
         let cards = &self.elements.cards;
         distinct("element", cards.iter().map(|card| (card.id, &card.at)))?;
-        let mut made = Made::new(&self.properties, self.mass_scale);
+        let mut made = UsedProperties::new(&self.properties, self.mass_scale);
         let around = Around {
             nodes: &mesh.nodes,
             grids,
