@@ -643,16 +643,18 @@ analysis steady = periodic(Single(), sample: 4 deg, change: 0.001 %, tolerance: 
     }
 }
 
-/// A state that reads an unwrapped angle has no cycle that repeats, also where it decays at once.
+/// A state that reads an unwrapped angle has no cycle that repeats, also where it decays at once. It is named beside a state
+/// that repeats, and also if no sample is at a whole cycle, or if the samples end within the first one.
 #[test]
 fn a_state_of_the_unwrapped_angle_is_refused() {
     let text = "
 use std.joints.Revolute
 use std.drives.PrescribedAngle
-force S(a: Marker, b: Marker) {
-    let th = rotation(a, b)
+force S(a: Marker, b: Marker, wrapped: 1) {
+    let th = rotation(a, b)/(1 rad)
+    let followed = if wrapped > 0.5 then sin(th) else th
     state x: 1 = 0 scale 1
-    der(x) = (th/(1 rad) - x)/(0.005 s)
+    der(x) = (followed - x)/(0.005 s)
     output y: 1 = x
     apply torque 0 N*m*b.z on a against b
 }
@@ -662,15 +664,25 @@ model M {
     marker stand = origin
     body shaft { mass = 4 kg; inertia = [10, 10, 20] g*m^2; marker hub = origin; start angular_velocity = [0, 0, 1]*(100 rad/s) }
     joint hinge = Revolute(shaft.hub, stand)
-    
-    force s = S(shaft.hub, stand)
+    force even = S(shaft.hub, stand, wrapped: 1)
+    force odd = S(shaft.hub, stand, wrapped: 0)
     cycle angle = rotation(shaft.hub, stand) { period = 360 deg }
 }
 analysis turn = kinematic(M(), sample: 10 deg, over: 720 deg)
 ";
-    let message = refusal(text, "turn");
-    assert!(
-        message.contains("its state differs from that of the first sample after whole cycles"),
-        "{message}"
-    );
+    for range in [
+        "sample: 10 deg, over: 720 deg",
+        "sample: 7 deg, over: 800 deg",
+        "sample: 1 deg",
+        "sample: 1 deg, over: 90 deg",
+    ] {
+        let text = text.replace("sample: 10 deg, over: 720 deg", range);
+        let message = refusal(&text, "turn");
+        assert!(
+            message.contains(
+                "odd: its state `x` differs from that of the first sample after whole cycles"
+            ),
+            "{range}: {message}"
+        );
+    }
 }

@@ -49,7 +49,7 @@ use eng_system::analysis::Kinematic;
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, Origin};
-use mechanism::{Mechanism, States};
+use mechanism::Mechanism;
 
 pub use balance::Shared;
 
@@ -107,15 +107,13 @@ pub fn run_kinematic(
 ) -> Result<Determined, RuntimeError> {
     let mut run = prepared(compiled, overrides, kinematic)?;
     if run.mechanism.has_states() {
-        run.repeat_states()?;
-        run.mechanism.states = States::Followed;
+        run.begin_with_states()?;
     }
     let mut state = run.begin()?;
     let journals = vec![[0.0; 2]; compiled.system.journals.len()];
     for index in 0..=run.count {
         if index > 0 {
             run.follow(&mut state, index)?;
-            run.require_repeated(&state, index)?;
         }
         if !run.determined.shared.is_empty() {
             let recorded = &run.determined.channels;
@@ -263,28 +261,26 @@ impl Prepared {
         Ok(state)
     }
 
-    /// Brings a state to a sample.
+    /// Brings a state to a sample from the one before. Refuses states that have not repeated after a whole cycle on the way.
     fn follow(&mut self, state: &mut State, index: usize) -> Result<(), RuntimeError> {
         let part = match self.grid {
             Grid::Time(part) => part,
             Grid::Angle([_, part, _]) => part.abs(),
         };
-        self.follow_to(state, index as f64 * part)
-    }
-
-    /// Refuses states that have not repeated at a sample after whole cycles.
-    fn require_repeated(&self, state: &State, index: usize) -> Result<(), RuntimeError> {
-        let (Grid::Angle([_, part, _]), Some(period), States::Followed) =
-            (self.grid, self.mechanism.period(), &self.mechanism.states)
-        else {
-            return Ok(());
+        let to = index as f64 * part;
+        let Some(period) = self.repeating() else {
+            return self.follow_to(state, to);
         };
-        let cycles = index as f64 * part.abs() / period;
-        if (cycles - libm::round(cycles)).abs() > REACHED {
-            return Ok(());
+        let from = (index as f64 - 1.0) * part;
+        let mut cycles = libm::floor(from / period + REACHED) + 1.0;
+        while cycles * period <= to * (1.0 + REACHED) {
+            // a sample at a whole cycle has its own angle
+            self.follow_to(state, to.min(cycles * period))?;
+            self.mechanism
+                .require_kept(&self.start.states, &state.states)?;
+            cycles += 1.0;
         }
-        self.mechanism
-            .require_kept(&self.start.states, &state.states)
+        self.follow_to(state, to)
     }
 
     /// Brings a state to a place of the range, in the unit of the grid, in the sense of the motion.

@@ -117,6 +117,17 @@ impl Model {
         &self.compiled.system.classes[self.elements[element].class]
     }
 
+    /// The element and the name of a state, by its place among all states.
+    pub fn state_named(&self, state: usize) -> Option<(usize, &str)> {
+        // elements that do not act have no states
+        let acts = |e: &usize| self.elements[*e].dynamic;
+        (0..self.elements.len()).filter(acts).find_map(|element| {
+            let place = state.checked_sub(self.elements[element].state)?;
+            let info = self.class(element).states.get(place)?;
+            Some((element, info.name.as_str()))
+        })
+    }
+
     /// Value of a slot; 0 for one that does not exist.
     pub fn slot(&self, slot: Slot) -> f64 {
         self.slots.get(slot.0 as usize).copied().unwrap_or(0.0)

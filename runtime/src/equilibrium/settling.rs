@@ -163,22 +163,18 @@ fn moves_to_rest(
 /// A state of an element that changes though nothing moves: the balance holds for a moment only.
 pub(super) fn moving(model: &Model, state: &State) -> Result<Option<Obstacle>, RuntimeError> {
     let rates = rates(model, state, &state.states)?;
-    for (index, element) in model.elements.iter().enumerate().filter(|(_, e)| e.dynamic) {
-        for (k, info) in model.class(index).states.iter().enumerate() {
-            let at = element.state + k;
-            let (rate, value) = (rates[at], state.states[at]);
-            let scale = model.state_scales[at].max(value.abs());
-            if rate.abs() > RESTS * scale {
-                return Ok(Some(Obstacle {
-                    origin: model.compiled.system.elements[index].origin.clone(),
-                    message: format!(
-                        "its state `{}` changes by {} % per second",
-                        info.name,
-                        short(100.0 * rate.abs() / scale, 4)
-                    ),
-                    carried: 0.0,
-                }));
-            }
+    for (at, (rate, value)) in rates.iter().zip(&state.states).enumerate() {
+        let scale = model.state_scales[at].max(value.abs());
+        let moves = rate.abs() > RESTS * scale;
+        if let Some((element, name)) = model.state_named(at).filter(|_| moves) {
+            return Ok(Some(Obstacle {
+                origin: model.compiled.system.elements[element].origin.clone(),
+                message: format!(
+                    "its state `{name}` changes by {} % per second",
+                    short(100.0 * rate.abs() / scale, 4)
+                ),
+                carried: 0.0,
+            }));
         }
     }
     Ok(None)

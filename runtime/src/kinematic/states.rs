@@ -9,7 +9,6 @@ use super::mechanism::{Mechanism, States};
 use super::piece::Piece;
 use crate::error::RuntimeError;
 use crate::state::State;
-use eng_system::dense::largest_difference;
 
 /// Error of a step as a share of a state's scale. A choice: the errors of thousands of steps add up to less
 /// than 1e-4 of a state.
@@ -20,6 +19,8 @@ const JUMP_ERROR: f64 = 1e-5;
 /// A shortest step as a share of a piece of the motion. A piece turns a body by 0.05 rad at most, so such a step turns
 /// it by 1.2e-5 rad.
 const SHORTEST: f64 = 1.0 / 4096.0;
+/// Turn (rad) of the motion within which a state may not decay: that of a shortest step, rounded.
+const FASTEST: f64 = 1e-5;
 /// Change of a state until the cycles repeat, as a share of its scale, at which it repeats. A choice: a
 /// hundred times the error of a step.
 const REPEATS: f64 = 1e-6;
@@ -36,13 +37,7 @@ const CYCLES: usize = 40;
 impl Mechanism {
     /// Whether elements that act have states.
     pub fn has_states(&self) -> bool {
-        self.element_with_state().is_some()
-    }
-
-    fn element_with_state(&self) -> Option<usize> {
-        let model = &self.model;
-        (0..model.elements.len())
-            .find(|e| model.elements[*e].dynamic && model.class(*e).layout.states > 0)
+        !self.model.state_scales.is_empty()
     }
 
     /// The rates of the states at a place of a piece, a share of its time. In SI per second.
@@ -162,60 +157,80 @@ impl Mechanism {
         if self.changed(first, states) <= KEPT {
             return Ok(());
         }
-        let element = self.element_with_state();
-        let origin = element.map(|element| super::origin_of(&self.model, element));
-        let path = origin.as_ref().map_or("an element", |origin| &origin.path);
-        Err(self.refused(
-            origin.clone(),
-            format!("{path}: its state differs from that of the first sample after whole cycles: its rate reads the time or an unwrapped angle, or has a pulse that is shorter than 0.7° of the motion"),
-            "state the range as a time: then states begin with the values of the text; or run a `transient`",
+        Err(self.refused_state(
+            [first, states],
+            "differs from that of the first sample after whole cycles: its rate reads the time or an unwrapped angle, or has a pulse that is shorter than 0.7° of the motion",
         ))
     }
 
-    /// Refuses states that do not repeat.
-    pub(super) fn not_repeating(&self) -> RuntimeError {
-        let element = self.element_with_state();
-        let origin = element.map(|element| super::origin_of(&self.model, element));
-        let path = origin.as_ref().map_or("an element", |origin| &origin.path);
+    /// The error for the state that changes most between two lists of states, for a reason.
+    fn refused_state(&self, [from, to]: [&[f64]; 2], reason: &str) -> RuntimeError {
+        let changes = self.changes(from, to);
+        let most = (0..changes.len()).max_by(|i, k| changes[*i].total_cmp(&changes[*k]));
+        let named = most.and_then(|state| self.model.state_named(state));
+        let origin = named.map(|(element, _)| super::origin_of(&self.model, element));
+        let (path, name) = match (&origin, named) {
+            (Some(origin), Some((_, name))) => (origin.path.as_str(), name),
+            _ => ("an element", ""),
+        };
         self.refused(
             origin.clone(),
-            format!("{path}: its state does not repeat in {CYCLES} cycles of this motion"),
+            format!("{path}: its state `{name}` {reason}"),
             "state the range as a time: then states begin with the values of the text; or run a `transient`",
         )
     }
 
     /// The largest change between two lists of states, as a share of their scales.
-    fn changed(&self, a: &[f64], b: &[f64]) -> f64 {
-        let scaled = |states: &[f64]| -> Vec<f64> {
-            let scales = self.model.state_scales.iter();
-            states
-                .iter()
-                .zip(scales)
-                .map(|(s, scale)| s / scale)
-                .collect()
-        };
-        largest_difference(&scaled(a), &scaled(b))
+    fn changed(&self, from: &[f64], to: &[f64]) -> f64 {
+        let changes = self.changes(from, to);
+        changes.into_iter().fold(0.0, f64::max)
+    }
+
+    /// The change of each state, as a share of its scale.
+    fn changes(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        let scales = self.model.state_scales.iter();
+        let both = from.iter().zip(to).zip(scales);
+        both.map(|((a, b), scale)| ((b - a) / scale).abs())
+            .collect()
     }
 }
 
 impl super::Prepared {
-    /// Gives the start the states with which the cycle repeats.
-    pub(super) fn repeat_states(&mut self) -> Result<(), RuntimeError> {
-        let period = match (self.grid, self.mechanism.period()) {
-            (super::Grid::Angle(_), Some(period)) => period,
-            _ => return Ok(()),
-        };
-        let mut state = self.begin()?;
-        self.mechanism.states = States::Traced(vec![state.clone()]);
-        self.follow_to(&mut state, period)?;
-        let States::Traced(nodes) = std::mem::replace(&mut self.mechanism.states, States::Constant)
-        else {
-            return Ok(());
-        };
+    /// The period over whose whole multiples the states of elements repeat: that of the cycle, for samples by angle.
+    pub(super) fn repeating(&self) -> Option<f64> {
+        match self.grid {
+            super::Grid::Angle(_) if self.mechanism.has_states() => self.mechanism.period(),
+            _ => None,
+        }
+    }
+
+    /// Gives the start the states with which the cycle repeats, and lets states follow the motion from then on.
+    pub(super) fn begin_with_states(&mut self) -> Result<(), RuntimeError> {
+        if let Some(period) = self.repeating() {
+            let mut state = self.begin()?;
+            self.mechanism.states = States::Traced(vec![state.clone()]);
+            self.follow_to(&mut state, period)?;
+            let traced = std::mem::replace(&mut self.mechanism.states, States::Followed);
+            if let States::Traced(nodes) = traced {
+                self.repeat_states(&nodes)?;
+            }
+            // the first cycle has been repeated; a rate that reads the time differs in the second one
+            state.states.clone_from(&self.start.states);
+            self.follow_to(&mut state, 2.0 * period)?;
+            self.mechanism
+                .require_kept(&self.start.states, &state.states)?;
+        }
+        self.mechanism.states = States::Followed;
+        Ok(())
+    }
+
+    /// Gives the start the states with which the cycle between these states of the motion repeats.
+    fn repeat_states(&mut self, nodes: &[State]) -> Result<(), RuntimeError> {
         let pieces: Vec<Piece> = (nodes.windows(2))
             .map(|ends| Piece::between(&self.mechanism.model, &ends[0], &ends[1]))
             .collect();
         let mut before: Option<f64> = None;
+        let mut previous = self.start.states.clone();
         for _ in 0..CYCLES {
             let mut states = self.start.states.clone();
             for piece in &pieces {
@@ -223,8 +238,8 @@ impl super::Prepared {
                     return Err(self.mechanism.stuck(piece.from)?);
                 }
             }
-            let changed = self.mechanism.changed(&states, &self.start.states);
-            self.start.states = states;
+            let changed = self.mechanism.changed(&self.start.states, &states);
+            previous = std::mem::replace(&mut self.start.states, states);
             // changes that fall by a factor a cycle still sum to changed/(1 - factor), which is large for a
             // slow state
             let factor = before.map(|before| changed / before);
@@ -234,6 +249,9 @@ impl super::Prepared {
             }
             before = Some(changed);
         }
-        Err(self.mechanism.not_repeating())
+        Err(self.mechanism.refused_state(
+            [&previous, &self.start.states],
+            &format!("does not repeat in {CYCLES} cycles of this motion: it decays too slowly, or within {FASTEST} rad of the motion"),
+        ))
     }
 }
