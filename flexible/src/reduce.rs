@@ -21,7 +21,7 @@ use crate::foreign::{ForeignMatrices, GivenModes};
 use crate::geometric::{Model, geometric};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
-use crate::mesh::{Mesh, Spring, Support, Tie};
+use crate::mesh::{Code, Mesh, Spring, Support, Tie};
 use crate::modes::rigid::residuals;
 use crate::modes::{ModeSet, Structure};
 use crate::rotary::{add_turning, split_offsets};
@@ -259,8 +259,9 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
     })
 }
 
-/// T with the supports, and the stiffness over free freedoms. With the supports of a deck of Nastran, freedoms without
-/// stiffness are held as its `AUTOSPC` does (MSC Nastran, Quick Reference Guide, PARAM,AUTOSPC), and a warning names them.
+/// T with the supports, and the stiffness over free freedoms. With the supports of a deck, freedoms without stiffness
+/// are held if its code does so, and a warning names them: all of Nastran, by its `AUTOSPC` (MSC Nastran, Quick
+/// Reference Guide, PARAM,AUTOSPC), and those of nodes that ties alone use in CalculiX, where they don't exist.
 fn eliminated(
     mesh: &Mesh,
     full: &fe::Structure,
@@ -269,23 +270,64 @@ fn eliminated(
     report: &mut Report,
 ) -> Result<(Reduction, SymmetricMatrix), FlexibleError> {
     let reduction = Reduction::new(mesh, full, &held)?;
-    if !(request.support_of_deck && mesh.autospc) {
+    if reduction.size() == 0 {
+        return Err(FlexibleError::Structure {
+            problem: "the supports hold all freedoms of the body".into(),
+            advice: "hold fewer nodes, or make the body rigid".into(),
+        });
+    }
+    let rule = match mesh.code {
+        _ if !request.support_of_deck => None,
+        Code::CalculiX => {
+            Some("and belong to nodes of ties alone, so they don't exist in CalculiX and are held")
+        }
+        _ if mesh.autospc => Some(
+            "and are held, as by Nastran's AUTOSPC (`PARAM,AUTOSPC,NO` in the deck refuses them)",
+        ),
+        _ => None,
+    };
+    let Some(rule) = rule else {
         let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
         return Ok((reduction, stiffness));
-    }
+    };
     let (stiffness, loose) = reduction.reduce_and_search(&full.stiffness)?;
     if loose.is_empty() {
         return Ok((reduction, stiffness));
     }
+    let supports = reduction.supports_of(mesh, &full.freedoms, &loose);
+    if mesh.code == Code::CalculiX && !only_tied(mesh, &supports) {
+        let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
+        return Ok((reduction, stiffness));
+    }
     report.warnings.push(format!(
-        "{} freedoms have no stiffness and are held, as by Nastran's AUTOSPC: {}; `PARAM,AUTOSPC,NO` in the deck refuses them",
+        "{} freedoms have no stiffness {rule}: {}",
         loose.len(),
         reduction.listed(&loose)
     ));
-    held.extend(reduction.supports_of(mesh, &full.freedoms, &loose));
+    held.extend(supports);
     let reduction = Reduction::new(mesh, full, &held)?;
     let stiffness = reduction.reduce_stiffness(&full.stiffness)?;
     Ok((reduction, stiffness))
+}
+
+/// Whether no element, mass or spring uses the nodes of supports.
+fn only_tied(mesh: &Mesh, supports: &[Support]) -> bool {
+    let mut used = vec![false; mesh.nodes.len()];
+    let springs = mesh.springs.iter().chain(&mesh.inerters);
+    let nodes = mesh
+        .connectivity
+        .iter()
+        .copied()
+        .chain(mesh.point_masses.iter().map(|point| point.node))
+        .chain(springs.flat_map(|spring| spring.terms.iter().map(|(node, ..)| *node)));
+    for node in nodes {
+        if let Some(used) = used.get_mut(node as usize) {
+            *used = true;
+        }
+    }
+    supports
+        .iter()
+        .all(|support| used.get(support.node as usize) == Some(&false))
 }
 
 /// Whether the matrices of another code for this mesh are those of a condensation: the mesh has only the

@@ -56,6 +56,10 @@ E
 *END INSTANCE
 *NODE, SYSTEM=C
 10,1.,20.,0.
+30,2.,20.,0.
+31,3.,20.,0.
+32,4.,20.,0.
+33,5.,20.,0.
 *ELEMENT, TYPE=MASS, ELSET=MS
 11,10
 *MASS, ELSET=MS
@@ -79,18 +83,31 @@ I.G,J.2
 *COUPLING, REF NODE=10, SURFACE=J.F
 *KINEMATIC
 1,3
+*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL
+5.,5.,0.,5.,5.,1.
+*COUPLING, REF NODE=30, SURFACE=J.F, ORIENTATION=O
+*KINEMATIC
+1,2
+*ELEMENT, TYPE=DCOUP3D, ELSET=DC
+14,31
+*DISTRIBUTING COUPLING, ELSET=DC
+X,1.
 *RIGID BODY, REF NODE=10, NSET=Y
+*RIGID BODY, REF NODE=32, ROT NODE=33, NSET=Y
 *MPC
 BEAM,I.1,10
 PIN,X,10
 *EQUATION
 2
 I.1,1,1.,J.2,2,-1.
+2
+33,1,1.,J.2,2,-1.
 *TRANSFORM, NSET=Y, TYPE=C
 5.,5.,0.,5.,5.,1.
 *BOUNDARY
 Y,1,3
 10,ENCASTRE
+33,2
 *END ASSEMBLY
 *MATERIAL, NAME=M
 *ELASTIC
@@ -110,7 +127,13 @@ fn try_read(deck: &[u8], more: &[u8]) {
     let mut files = Memory::default();
     files.0.insert("deck.inp".into(), deck.to_vec());
     files.0.insert("more.inp".into(), more.to_vec());
-    match read_inp(&files, "deck.inp", Code::Abaqus) {
+    for code in [Code::Abaqus, Code::CalculiX] {
+        try_read_as(&files, code);
+    }
+}
+
+fn try_read_as(files: &Memory, code: Code) {
+    match read_inp(files, "deck.inp", code) {
         Ok(mesh) => is_consistent(&mesh),
         Err(FlexibleError::File(problem)) => {
             assert!(["deck.inp", "more.inp"].contains(&problem.file.as_str()));
@@ -130,11 +153,15 @@ fn try_read(deck: &[u8], more: &[u8]) {
 #[test]
 fn the_file_itself_is_read() {
     let files = Memory::new(&[("deck.inp", DECK), ("more.inp", MORE)]);
-    let mesh = read_inp(&files, "deck.inp", Code::Abaqus).unwrap_or_else(|error| panic!("{error}"));
-    is_consistent(&mesh);
-    assert_eq!((mesh.nodes.len(), mesh.elements.len()), (18, 10));
-    assert_eq!(mesh.point_masses.len(), 2);
-    assert_eq!(mesh.ties.len(), 3 + 1 + 8 * 3 + 1);
+    // CalculiX has an equation for each direction of a distributing coupling, Abaqus one tie
+    for (code, distributing) in [(Code::Abaqus, 1), (Code::CalculiX, 3)] {
+        let mesh = read_inp(&files, "deck.inp", code).unwrap_or_else(|error| panic!("{error}"));
+        is_consistent(&mesh);
+        assert_eq!((mesh.nodes.len(), mesh.elements.len()), (22, 10));
+        assert_eq!(mesh.point_masses.len(), 2);
+        let ties = 3 + 1 + 8 * 3 + 1 + 8 * 2 + distributing + 1 + 1;
+        assert_eq!(mesh.ties.len(), ties);
+    }
 }
 
 proptest! {

@@ -6,6 +6,7 @@ mod abaqus_mutations;
 mod abaqus_structure;
 mod abaqus_tied;
 mod ansys_archives;
+mod calculix_couplings;
 mod craig_bampton;
 mod elastic_surface;
 mod element_variants;

@@ -13,7 +13,7 @@ use crate::mesh::{
 const NAMED: usize = 10;
 
 /// The first ids, and the number of the others.
-pub(super) fn list(ids: impl IntoIterator<Item = String>) -> String {
+pub(crate) fn list(ids: impl IntoIterator<Item = String>) -> String {
     let mut ids = ids.into_iter();
     let named: Vec<String> = ids.by_ref().take(NAMED).collect();
     let rest = ids.count();

@@ -463,8 +463,8 @@ fn better_shift(
 
 fn too_few(there: usize, wanted: usize) -> FlexibleError {
     FlexibleError::Numerical {
-        problem: format!("{wanted} modes are requested, but there are only {there}"),
-        advice: "request fewer modes; only freedoms with mass have modes".into(),
+        problem: format!("{wanted} modes are requested, but only {there} were found"),
+        advice: "request fewer modes: only freedoms with mass have modes, and beside a mass that is many million times larger rounding hides the fast ones".into(),
     }
 }
 

@@ -437,8 +437,8 @@ impl Deck {
             }
             "SYSTEM" => self.system = Some(system(&block.rows, &keyword.at)?),
             "ASSEMBLY" | "ENDASSEMBLY" | "HEADING" => {}
-            "INITIALCONDITIONS" => {
-                // they give the temperature of the materials
+            // they give the temperature of the materials, and the axes of couplings
+            "INITIALCONDITIONS" | "ORIENTATION" => {
                 let name = format!("*{}", keyword.name);
                 self.unread.note(&name, &keyword.at, Carries::Nothing);
                 self.scope().blocks.push(block);

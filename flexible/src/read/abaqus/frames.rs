@@ -222,6 +222,14 @@ impl Transform {
                 ));
             }
         };
+        Self::of_points(kind, keyword, rows)
+    }
+
+    fn of_points(
+        kind: TransformKind,
+        keyword: &Keyword,
+        rows: &[Row],
+    ) -> Result<Self, FileProblem> {
         let Some(row) = rows.iter().find(|row| !row.is_blank()) else {
             return Err(keyword.problem(
                 "its data line is missing",
@@ -235,9 +243,40 @@ impl Transform {
         })
     }
 
+    /// The axes of an `*ORIENTATION`: `SYSTEM=RECTANGULAR` (the default) or `CYLINDRICAL`, with points as in
+    /// [`Self::read`]; `None` for another system.
+    pub fn of_orientation(keyword: &Keyword, rows: &[Row]) -> Result<Option<Self>, FileProblem> {
+        let kind = match keyword.choice("SYSTEM").as_str() {
+            "" | "RECTANGULAR" => TransformKind::Rectangular,
+            "CYLINDRICAL" => TransformKind::Cylindrical,
+            _ => return Ok(None),
+        };
+        Self::of_points(kind, keyword, rows).map(Some)
+    }
+
     /// Whether all nodes have the same axes.
     pub fn is_rectangular(&self) -> bool {
         self.kind == TransformKind::Rectangular
+    }
+
+    /// The axes at a place on the axis of a cylinder, where the radial direction is arbitrary; `None` elsewhere and for
+    /// other kinds. The direction is CalculiX': in the x–y plane for an axis along z, else with 1 as its y (or z)
+    /// component.
+    pub fn axes_on_axis(&self, place: [f64; 3]) -> Option<Rotation> {
+        if self.kind != TransformKind::Cylindrical || self.axes_at(place).is_some() {
+            return None;
+        }
+        let [x, y, z] = unit(subtract(self.b, self.a))?;
+        // the length below which a component of the axis counts as zero there
+        let small = 1e-10;
+        let radial = if x.abs() > small {
+            [-y / x, 1.0, 0.0]
+        } else if y.abs() > small {
+            [0.0, -z / y, 1.0]
+        } else {
+            [1.0, 0.0, -x / z]
+        };
+        axes(radial, [x, y, z])
     }
 
     /// The axes at a place; `None` if they are not determined.

@@ -15,6 +15,7 @@
 //! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh
 //! ```
 
+mod couplings;
 mod deck;
 mod elements;
 mod frames;
@@ -23,6 +24,7 @@ mod materials;
 mod matrices;
 mod model;
 mod points;
+mod rotations;
 mod scope;
 mod sections;
 mod sets;
@@ -40,6 +42,7 @@ use crate::read::Files;
 use crate::read::held::HoldingCards;
 use crate::read::source::whole;
 use model::Model;
+use rotations::Rotations;
 
 /// Reads an input file of Abaqus or CalculiX with all included files. Values keep the units of the file.
 ///
@@ -60,9 +63,11 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     }
     let unread = &mut deck.unread;
     sets::fill(&mut model, unread)?;
+    let mut doubts = Vec::new();
     let mut mesh = Mesh {
         code,
-        frames: supports::transform(&mut model)?,
+        frames: supports::transform(&mut model, code, &mut doubts)?,
+        doubts,
         ..Mesh::default()
     };
     surfaces::fill(&mut model, unread)?;
@@ -73,12 +78,14 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     }
     elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
     points::make(&model, &mut mesh, unread)?;
-    ties::make(&mut model, &mut mesh, unread)?;
+    let rotations = Rotations::new(&model, code, unread)?;
+    ties::make(&mut model, &mut mesh, &rotations, unread)?;
     let mut cards = HoldingCards::default();
     mesh.supports = supports::supports(&model, &mut cards, unread)?;
     if code == Code::CalculiX {
         let notes = supports::free_rotations(&model, &mut mesh.supports)?;
         mesh.doubts.extend(notes);
+        rotations.hold(&mut mesh.supports);
     }
     mesh.support_cards = cards.into_list();
     mesh.sets = sets::sets(&model);

@@ -39,7 +39,7 @@ impl Family {
             Shape::Facet(_) => Some(Family::Facet),
             Shape::Beam { shear, .. } => Some(Family::Beam(shear)),
             Shape::Truss => Some(Family::Truss),
-            Shape::Mass | Shape::Rotary | Shape::Spring(_) => None,
+            Shape::Mass | Shape::Rotary | Shape::Distributing | Shape::Spring(_) => None,
         }
     }
 }

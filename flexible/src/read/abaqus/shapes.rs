@@ -24,6 +24,8 @@ pub(super) enum Shape {
     Mass,
     /// `ROTARYI`.
     Rotary,
+    /// `DCOUP3D`: the reference node of a `*DISTRIBUTING COUPLING`.
+    Distributing,
     /// `SPRING1`, `SPRING2`, `SPRINGA`.
     Spring(SpringKind),
 }
@@ -45,6 +47,7 @@ impl Shape {
         let fixed = match name {
             "MASS" => Some(Shape::Mass),
             "ROTARYI" => Some(Shape::Rotary),
+            "DCOUP3D" => Some(Shape::Distributing),
             "SPRING1" => Some(Shape::Spring(SpringKind::Ground)),
             "SPRING2" => Some(Shape::Spring(SpringKind::Freedoms)),
             "SPRINGA" => Some(Shape::Spring(SpringKind::Axial)),
@@ -96,7 +99,10 @@ impl Shape {
             Shape::Solid(kind, _) | Shape::Shell(kind) | Shape::Facet(kind) => kind.node_count(),
             Shape::Beam { nodes, .. } => nodes,
             Shape::Truss | Shape::Spring(SpringKind::Freedoms | SpringKind::Axial) => 2,
-            Shape::Mass | Shape::Rotary | Shape::Spring(SpringKind::Ground) => 1,
+            Shape::Mass
+            | Shape::Rotary
+            | Shape::Distributing
+            | Shape::Spring(SpringKind::Ground) => 1,
         }
     }
 }

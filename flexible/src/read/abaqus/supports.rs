@@ -3,17 +3,24 @@
 use std::collections::BTreeMap;
 
 use super::frames::Transform;
+use super::lines::Keyword;
 use super::model::Model;
 use super::scope::Block;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Frame, Support};
+use crate::fe::check::list;
+use crate::mesh::{Carries, Code, Frame, Support};
 use crate::read::held::HoldingCards;
 use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 use crate::read::vector::product;
 
-/// Gives nodes their frames and returns the frames.
-pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
+/// Gives nodes their frames and returns the frames. In CalculiX a node may lie on the axis of a cylinder, where its
+/// radial direction is arbitrary; a note names such nodes.
+pub(super) fn transform(
+    model: &mut Model,
+    code: Code,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Frame>, FileProblem> {
     let mut frames = Vec::new();
     let mut of_node: BTreeMap<u32, u32> = BTreeMap::new();
     for (place, block) in model.blocks() {
@@ -27,10 +34,18 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
             .get(place)
             .map_or(super::frames::STILL, |placed| placed.motion());
         let mut shared = None;
+        let mut on_axis = Vec::new();
         for node in model.nodes_of(place, keyword.require("NSET", "NSET")?, &keyword.at)? {
             let local = motion.back(model.position(node));
-            let Some(axes) = transform.axes_at(local) else {
-                let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
+            let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
+            let axes = transform.axes_at(local).or_else(|| {
+                let axes = transform
+                    .axes_on_axis(local)
+                    .filter(|_| code == Code::CalculiX);
+                on_axis.extend(axes.map(|_| id.to_string()));
+                axes
+            });
+            let Some(axes) = axes else {
                 return Err(keyword.problem(
                     &format!("its points give no axes at node {id}"),
                     "choose points that form a triangle, and no axis through the node",
@@ -48,13 +63,13 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
             };
             shared = Some(index);
             if of_node.insert(node, index).is_some() {
-                let id = model.nodes.get(node as usize).map_or(0, |node| node.id);
                 return Err(keyword.problem(
                     &format!("node {id} has two *TRANSFORM"),
                     "remove it from one of the two sets",
                 ));
             }
         }
+        notes.extend(arbitrary(keyword, "its axis", on_axis));
     }
     for (node, frame) in of_node {
         if let Some(node) = model.nodes.get_mut(node as usize) {
@@ -62,6 +77,19 @@ pub(super) fn transform(model: &mut Model) -> Result<Vec<Frame>, FileProblem> {
         }
     }
     Ok(frames)
+}
+
+/// A note about nodes on an axis, where CalculiX chooses the radial direction.
+pub(super) fn arbitrary(keyword: &Keyword, axis: &str, nodes: Vec<String>) -> Option<String> {
+    let (at, name) = (&keyword.at, &keyword.name);
+    (!nodes.is_empty()).then(|| {
+        format!(
+            "{}:{}: *{name}: nodes on {axis} have no radial direction, so the one of CalculiX is used: {}",
+            at.file,
+            at.line,
+            list(nodes)
+        )
+    })
 }
 
 /// The rotations among the components of a node, as bits from translation x on.
@@ -95,8 +123,9 @@ pub(super) fn supports(
         if keyword.key != "BOUNDARY" {
             continue;
         }
+        // it moves its nodes as a larger model does
         if keyword.has("SUBMODEL") {
-            unread.note("*BOUNDARY, SUBMODEL", &keyword.at, Carries::Structure);
+            cards.note("*BOUNDARY, SUBMODEL", &keyword.at, true);
             continue;
         }
         let again = keyword.choice("OP") == "NEW";
@@ -130,7 +159,7 @@ pub(super) fn supports(
 }
 
 /// Frees the rotations of a rigid body's reference node in CalculiX: they belong to its `ROT NODE`, and CalculiX
-/// 2.20 holds nothing where supports name them. Returns notes.
+/// 2.20 holds nothing where supports name them, with or without this node. Returns notes.
 pub(super) fn free_rotations(
     model: &Model,
     supports: &mut Vec<Support>,
@@ -138,7 +167,7 @@ pub(super) fn free_rotations(
     let mut notes = Vec::new();
     for (place, block) in model.blocks() {
         let keyword = &block.keyword;
-        if keyword.key != "RIGIDBODY" || keyword.has("ROTNODE") {
+        if keyword.key != "RIGIDBODY" {
             continue;
         }
         let reference = keyword.require("REFNODE", "REF NODE")?;
@@ -153,7 +182,7 @@ pub(super) fn free_rotations(
                 .get(reference as usize)
                 .map_or(0, |node| node.id);
             notes.push(format!(
-                "{}:{}: *BOUNDARY holds rotations of node {id}, and CalculiX leaves those of a *RIGID BODY without ROT NODE free, as here",
+                "{}:{}: *BOUNDARY holds rotations of node {id}, and CalculiX leaves those of a *RIGID BODY free, as here; the displacements of a ROT NODE hold them",
                 keyword.at.file, keyword.at.line
             ));
         }

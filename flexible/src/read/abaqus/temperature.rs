@@ -28,7 +28,12 @@ pub(super) fn initial(model: &Model) -> Result<Option<f64>, FileProblem> {
         }
     }
     // nodes without a section, such as the ends of springs and masses, need no temperature
-    let solid = |row: &&Row| !matches!(row.shape, Shape::Mass | Shape::Rotary | Shape::Spring(_));
+    let solid = |row: &&Row| {
+        !matches!(
+            row.shape,
+            Shape::Mass | Shape::Rotary | Shape::Distributing | Shape::Spring(_)
+        )
+    };
     let rows = model.rows.iter().filter(solid);
     let mut used = rows
         .flat_map(|row| model.row_nodes(row))

@@ -1,42 +1,50 @@
-//! `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*KINEMATIC COUPLING`, `*RIGID BODY`, `*MPC`,
-//! `*EQUATION`, `*TIE`, glued `*CONTACT PAIR`.
+//! `*RIGID BODY`, `*MPC`, `*EQUATION`, `*TIE`, glued `*CONTACT PAIR`; couplings are in [`super::couplings`].
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::couplings::bare;
 use super::lines::{Row, key};
 use super::model::Model;
+use super::rotations::Rotations;
 use super::scope::{Block, label};
 use super::shapes::Shape;
 use super::surfaces::Surface;
 use crate::error::FileProblem;
 use crate::fe::vector::subtract;
-use crate::mesh::{Carries, Frame, Mesh, Tie};
+use crate::mesh::{Carries, Code, Frame, Mesh, Tie};
 use crate::read::tied::{Request, doubt, tied};
 use crate::read::unread::UnreadCards;
 use crate::read::vector::norm;
 
 /// Components of a node as bits: the translations x, y, z from the lowest bit on, then the rotations.
-const ALL: u8 = 0b11_1111;
-const TRANSLATIONS: u8 = 0b00_0111;
-const ROTATIONS: u8 = 0b11_1000;
+pub(super) const ALL: u8 = 0b11_1111;
+pub(super) const TRANSLATIONS: u8 = 0b00_0111;
+pub(super) const ROTATIONS: u8 = 0b11_1000;
 
 /// The ties found so far. Each new tie gets the next number.
-struct Ties<'m, 'u> {
-    model: &'m Model,
-    unread: &'u mut UnreadCards,
+pub(super) struct Ties<'m, 'u> {
+    pub model: &'m Model,
+    pub unread: &'u mut UnreadCards,
     /// Nodes whose rotations an element uses.
-    turning: Vec<bool>,
-    frames: &'m [Frame],
-    made: Vec<Tie>,
+    pub turning: Vec<bool>,
+    pub frames: &'m [Frame],
+    /// Whose file it is.
+    pub code: Code,
+    /// The nodes that turn rigid bodies.
+    rotations: &'m Rotations,
+    pub made: Vec<Tie>,
     /// New places of nodes.
     moved: Vec<(u32, [f64; 3])>,
-    doubts: Vec<String>,
+    pub doubts: Vec<String>,
+    /// The `DCOUP3D` elements whose nodes follow others, as indices into the rows of the model.
+    pub spread: BTreeSet<u32>,
 }
 
 /// The ties of a mesh, numbered in the order of the file from 1.
 pub(super) fn make(
     model: &mut Model,
     mesh: &mut Mesh,
+    rotations: &Rotations,
     unread: &mut UnreadCards,
 ) -> Result<(), FileProblem> {
     let mut ties = Ties {
@@ -44,11 +52,16 @@ pub(super) fn make(
         unread,
         turning: turning(model),
         frames: &mesh.frames,
+        code: mesh.code,
+        rotations,
         made: Vec::new(),
         moved: Vec::new(),
         doubts: Vec::new(),
+        spread: BTreeSet::new(),
     };
     ties.read()?;
+    ties.note_idle_elements();
+    rotations.refuse_ties(&ties.made, ties.unread);
     let Ties {
         made,
         moved,
@@ -63,13 +76,6 @@ pub(super) fn make(
     mesh.ties = made;
     mesh.doubts.extend(doubts);
     Ok(())
-}
-
-fn bare(coupling: &Block) -> FileProblem {
-    coupling.keyword.problem(
-        "neither *KINEMATIC nor *DISTRIBUTING follows",
-        "add one of them right after it",
-    )
 }
 
 /// Nodes of beams, shells and rotary inertias.
@@ -159,6 +165,7 @@ impl Ties<'_, '_> {
                     continue;
                 }
                 "KINEMATICCOUPLING" => self.kinematic_by_nodes(place, block)?,
+                "DISTRIBUTINGCOUPLING" => self.distributing_by_elements(place, block)?,
                 "RIGIDBODY" => self.rigid_body(place, block)?,
                 "MPC" => self.constraints(place, block)?,
                 "EQUATION" => self.equations(place, block)?,
@@ -173,82 +180,12 @@ impl Ties<'_, '_> {
         }
     }
 
-    fn id(&self) -> u64 {
+    pub fn id(&self) -> u64 {
         self.made.len() as u64 + 1
     }
 
-    fn coupling(
-        &mut self,
-        place: usize,
-        coupling: &Block,
-        kind: &Block,
-    ) -> Result<(), FileProblem> {
-        let keyword = &coupling.keyword;
-        let reference = keyword.require("REFNODE", "REF NODE")?;
-        let reference = self.model.node_of(place, reference, &keyword.at)?;
-        let name = keyword.require("SURFACE", "SURFACE")?;
-        let mut surface = self.surface(place, name, coupling)?;
-        if let Some(radius) = keyword.get("INFLUENCERADIUS") {
-            let Some(radius) = crate::read::number::real(radius) else {
-                return Err(keyword.problem(
-                    &format!("INFLUENCE RADIUS is \"{radius}\", not a number"),
-                    "give a number, or remove INFLUENCE RADIUS",
-                ));
-            };
-            let centre = self.model.position(reference);
-            surface
-                .nodes
-                .retain(|(node, _)| norm(subtract(self.model.position(*node), centre)) <= radius);
-        }
-        surface.nodes.retain(|(node, _)| *node != reference);
-        if surface.nodes.is_empty() {
-            return Err(keyword.problem(
-                &format!("its surface {name} has no nodes"),
-                "check the surface and the influence radius",
-            ));
-        }
-        let components = components(&kind.rows)?.unwrap_or(ALL);
-        let own_axes = keyword.has("ORIENTATION");
-        if kind.keyword.key == "KINEMATIC" {
-            let nodes = surface
-                .nodes
-                .iter()
-                .map(|(node, _)| *node)
-                .collect::<Vec<_>>();
-            self.spider(reference, &nodes, components, own_axes, coupling);
-            return Ok(());
-        }
-        let method = kind.keyword.choice("WEIGHTINGMETHOD");
-        if !matches!(method.as_str(), "" | "UNIFORM") {
-            let name = "*DISTRIBUTING with weights by distance";
-            self.unread.note(name, &keyword.at, Carries::Structure);
-        }
-        if kind.keyword.choice("COUPLING") == "STRUCTURAL" {
-            let name = "*DISTRIBUTING, COUPLING=STRUCTURAL";
-            self.unread.note(name, &keyword.at, Carries::Unknown);
-        }
-        // all translations always follow; rotations may be released
-        let components = components | TRANSLATIONS;
-        if own_axes && !full(components) {
-            let name = "*COUPLING of some freedoms in own axes";
-            self.unread.note(name, &keyword.at, Carries::Structure);
-            return Ok(());
-        }
-        self.made.push(Tie::Averaging {
-            id: self.id(),
-            reference,
-            reference_components: components,
-            independent: surface
-                .nodes
-                .into_iter()
-                .map(|(node, weight)| (node, weight, TRANSLATIONS))
-                .collect(),
-        });
-        Ok(())
-    }
-
     /// A surface, or a set of nodes, with a name.
-    fn surface(&self, place: usize, name: &str, user: &Block) -> Result<Surface, FileProblem> {
+    pub fn surface(&self, place: usize, name: &str, user: &Block) -> Result<Surface, FileProblem> {
         if name.is_empty() {
             return Err(user.keyword.problem(
                 "a line names one surface",
@@ -272,7 +209,10 @@ impl Ties<'_, '_> {
     /// `*TIE`: `slave surface, master surface`.
     fn tie(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
         let keyword = &block.keyword;
-        if keyword.has("CYCLICSYMMETRY") || keyword.has("MULTIPLIER") {
+        if ["CYCLICSYMMETRY", "MULTISTAGE", "MULTIPLIER"]
+            .iter()
+            .any(|parameter| keyword.has(parameter))
+        {
             let name = "*TIE of a sector or a multiplier";
             self.unread.note(name, &keyword.at, Carries::Structure);
             return Ok(());
@@ -353,77 +293,15 @@ impl Ties<'_, '_> {
         Ok(())
     }
 
-    /// Adds nodes that follow a reference node rigidly. Components are along the global frame.
-    fn spider(
-        &mut self,
-        reference: u32,
-        nodes: &[u32],
-        components: u8,
-        own_axes: bool,
-        block: &Block,
-    ) {
-        let turned = |node: &u32| {
-            let node = self.model.nodes.get(*node as usize);
-            node.is_some_and(|node| node.frame.is_some())
-        };
-        if !full(components) && (own_axes || nodes.iter().any(turned)) {
-            let name = format!("*{} of some freedoms in own axes", block.keyword.name);
-            self.unread
-                .note(&name, &block.keyword.at, Carries::Structure);
-            return;
-        }
-        let mut dependent = nodes
-            .iter()
-            .filter(|node| **node != reference)
-            .map(|node| (*node, components))
-            .collect::<Vec<_>>();
-        dependent.sort_unstable();
-        dependent.dedup();
-        if dependent.is_empty() {
-            return;
-        }
-        self.made.push(Tie::Rigid {
-            id: self.id(),
-            independent: reference,
-            dependent,
-        });
-    }
-
-    /// `*KINEMATIC COUPLING, REF NODE=n`: `node or set, first, last`.
-    fn kinematic_by_nodes(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
-        let keyword = &block.keyword;
-        let reference = keyword.require("REFNODE", "REF NODE")?;
-        let reference = self.model.node_of(place, reference, &keyword.at)?;
-        let mut by_components: BTreeMap<u8, Vec<u32>> = BTreeMap::new();
-        for row in block.rows.iter().filter(|row| !row.is_blank()) {
-            let components = if row.text(1).is_empty() {
-                ALL
-            } else {
-                row.freedom_range(1)?
-            };
-            let nodes = self.model.nodes_of(place, row.text(0), &row.at)?;
-            by_components.entry(components).or_default().extend(nodes);
-        }
-        for (components, nodes) in by_components {
-            let own_axes = keyword.has("ORIENTATION");
-            self.spider(reference, &nodes, components, own_axes, block);
-        }
-        Ok(())
-    }
-
     /// `*RIGID BODY, REF NODE=n` of `NSET`, `TIE NSET`, `PIN NSET` (translations only) or `ELSET`.
     fn rigid_body(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
         let keyword = &block.keyword;
         let model = self.model;
         let reference = keyword.require("REFNODE", "REF NODE")?;
         let reference = model.node_of(place, reference, &keyword.at)?;
-        for (parameter, name) in [
-            ("ROTNODE", "*RIGID BODY, ROT NODE"),
-            ("ANALYTICALSURFACE", "*RIGID BODY, ANALYTICAL SURFACE"),
-        ] {
-            if keyword.has(parameter) {
-                self.unread.note(name, &keyword.at, Carries::Structure);
-            }
+        if keyword.has("ANALYTICALSURFACE") {
+            let name = "*RIGID BODY, ANALYTICAL SURFACE";
+            self.unread.note(name, &keyword.at, Carries::Structure);
         }
         if keyword.choice("POSITION") == "CENTEROFMASS" {
             let name = "*RIGID BODY, POSITION=CENTER OF MASS";
@@ -475,9 +353,9 @@ impl Ties<'_, '_> {
             {
                 let apart = norm(subtract(self.model.position(a), self.model.position(b)));
                 match kind.as_str() {
-                    "BEAM" => self.spider(b, &[a], ALL, false, block),
+                    "BEAM" => self.spider(b, &[a], ALL, block),
                     // for coincident nodes all three kinds constrain translations in the same way
-                    "TIE" if apart == 0.0 => self.spider(b, &[a], ALL, false, block),
+                    "TIE" if apart == 0.0 => self.spider(b, &[a], ALL, block),
                     "TIE" => self.same(a, b, ALL),
                     _ => self.same(a, b, TRANSLATIONS),
                 }
@@ -541,35 +419,19 @@ impl Ties<'_, '_> {
                 ));
             }
             for nodes in pairs(&nodes, head)? {
-                let terms = nodes
-                    .into_iter()
-                    .zip(&freedoms)
-                    .map(|(node, (freedom, coefficient))| (node, *freedom, *coefficient));
+                let mut terms = Vec::with_capacity(nodes.len());
+                for (node, (freedom, coefficient)) in nodes.into_iter().zip(&freedoms) {
+                    let (node, freedom) = self.rotations.freedom(node, *freedom, &head.at)?;
+                    terms.push((node, freedom, *coefficient));
+                }
                 self.made.push(Tie::Equation {
                     id: self.id(),
-                    terms: terms.collect(),
+                    terms,
                 });
             }
         }
         Ok(())
     }
-}
-
-/// Whether the components contain all or no translations, and all or no rotations. Then their axes do not
-/// matter.
-fn full(components: u8) -> bool {
-    [TRANSLATIONS, ROTATIONS]
-        .iter()
-        .all(|group| components & group == 0 || components & group == *group)
-}
-
-/// All freedoms named by lines `first, last`; `None` without any.
-fn components(rows: &[Row]) -> Result<Option<u8>, FileProblem> {
-    let mut all = None;
-    for row in rows.iter().filter(|row| !row.text(0).is_empty()) {
-        all = Some(all.unwrap_or(0) | row.freedom_range(0)?);
-    }
-    Ok(all)
 }
 
 /// Groups of corresponding nodes. The lists have equal lengths, or a list has one node for all groups.
