@@ -75,6 +75,7 @@ mod reports_of_a_text;
 mod response;
 mod run_command;
 mod run_diagnostics;
+mod settling_films;
 mod solved;
 mod stacks;
 mod starts_and_cycles;

@@ -84,6 +84,18 @@ const LEAST_CYCLES: u32 = 12;
 /// samples of a cycle, every 10°, show the motion of a drive line.
 const SPARSE: f64 = 4.0;
 const LEAST_SAMPLES: f64 = 72.0;
+/// Part of the first cycle that has wider steps where only films settle. A choice: pins find their orbits within half a
+/// revolution, so the errors of the wider steps are gone at the end of the cycle.
+const SETTLING: f64 = 0.5;
+/// Least requested change for such a cycle. A choice: pins lose the errors of the wider steps in half a cycle, a hundredth of a
+/// swing, down to some thousandths. With a smaller change one more cycle would follow, and nothing would be won.
+const COARSE: f64 = 5e-3;
+/// Least factor of a decay that two cycles show by themselves. A choice: with it the distance to the limit is at least the
+/// change, because a film that settles within degrees says nothing about a slower motion beside it.
+const LEAST_FACTOR: f64 = 0.5;
+/// Factor of a decay that is assumed where two cycles show none. A choice: a slower decay would be that of a drive line or of a
+/// mount. It would move bodies by far more than the clearances by which the difference counts.
+const ASSUMED_FACTOR: f64 = 0.9;
 /// Least number of plain cycles after a leap: two differences show whether the changes shrink.
 const PLAIN_CYCLES: usize = 3;
 /// Most samples of a cycle. A choice: the samples of a cycle are kept in memory.
@@ -260,6 +272,30 @@ fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>,
     }))
 }
 
+/// Whether films settle in the first cycle. The motion of turning flexible bodies in films already repeats at the start.
+fn films_settle(simulation: &Simulation) -> bool {
+    let repeats = match simulation.start() {
+        StartReport::QuasiStatic(found) | StartReport::Equilibrium(found) => {
+            found.turning.is_some()
+        }
+        _ => false,
+    };
+    !repeats && !simulation.model().compiled.system.journals.is_empty()
+}
+
+/// Estimated distance to the limit after the first two cycles behind the one in which films settled: the smaller of two. Either
+/// the change decays within the cycle, by a factor that it shows. Or it is noise of the steps, and a decay may hide below it. Then
+/// all later differences of the motion sum up to a share of the clearance. `moved` is the last one as such a share.
+fn distance_of_two(change: f64, factor: f64, moved: f64) -> f64 {
+    let reach = |factor: f64| factor / (1.0 - factor);
+    let decays = if factor < 1.0 {
+        change * reach(factor.max(LEAST_FACTOR))
+    } else {
+        f64::INFINITY
+    };
+    decays.min(change.max(moved * reach(ASSUMED_FACTOR)))
+}
+
 /// Samples of a cycle, including both ends.
 #[derive(Clone, Debug, Default)]
 struct Record {
@@ -307,8 +343,9 @@ fn median(values: &[f64]) -> f64 {
 
 /// Watches a transient cycle by cycle.
 struct Cycles<'a> {
-    /// Samples of a cycle with the stated tolerance.
+    /// Samples of a cycle with the stated ones, and of the present cycle.
     samples: usize,
+    grid: usize,
     channels: usize,
     limit: Periodic,
     comparison: Comparison,
@@ -330,6 +367,10 @@ struct Cycles<'a> {
     repeats: bool,
     slowest: Option<Decay>,
     decay: Option<Decay>,
+    /// The factor that the last difference of the slowest channel shows by itself, and whether a cycle in which films settled
+    /// is before the cycles that count.
+    within: Option<f64>,
+    settled: bool,
     growing: Vec<Growth>,
     leaps: Leaps,
     /// Number of leaps.
@@ -360,6 +401,10 @@ struct Wide {
     tolerance: f64,
     /// Samples of a cycle.
     samples: usize,
+    /// Whether these are the steps of the first cycle alone, in which films settle; and whether the cycle has come to its
+    /// steps of the stated tolerance.
+    settles: bool,
+    settled: bool,
 }
 
 impl Wide {
@@ -373,6 +418,8 @@ impl Wide {
         (tolerance >= WORTH * stated && periodic.cycles >= LEAST_CYCLES).then_some(Wide {
             tolerance,
             samples: sparse as usize,
+            settles: false,
+            settled: false,
         })
     }
 }
@@ -419,23 +466,33 @@ impl Observer for Cycles<'_> {
         self.observer.stepped();
     }
 
-    /// A cycle that a drive turns at its own speed has no motion of a drive line that could be slow: then the first cycles
-    /// have the stated tolerance.
-    fn at_start(&mut self, simulation: &mut Simulation) -> Result<Option<f64>, RuntimeError> {
-        if self.wide.is_some() && !simulation.cycle_accelerates()? {
-            self.wide = None;
+    /// A cycle that a drive turns at its own speed has no motion of a drive line that could be slow: then wider steps serve in
+    /// the first cycle at most.
+    fn at_start(&mut self, simulation: &mut Simulation) -> Result<Option<[f64; 2]>, RuntimeError> {
+        if let Some(wide) = &mut self.wide
+            && !simulation.cycle_accelerates()?
+        {
+            wide.settles = true;
+            if self.limit.change < COARSE || !films_settle(simulation) {
+                self.wide = None;
+            }
         }
         Ok(self.wide.map(|wide| {
             simulation.set_tolerance(wide.tolerance);
-            self.period / wide.samples as f64
+            self.grid = if wide.settles {
+                // nothing is compared with this cycle
+                wide.samples.min(LEAST_SAMPLES as usize)
+            } else {
+                wide.samples
+            };
+            [self.grid, wide.samples].map(|count| self.period / count as f64)
         }))
     }
 
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
         self.observer.sampled();
         self.now.push(sample);
-        let samples = self.wide.map_or(self.samples, |wide| wide.samples);
-        if self.now.heads.len() <= samples {
+        if self.now.heads.len() <= self.grid {
             return ControlFlow::Continue(());
         }
         self.done += 1;
@@ -460,8 +517,15 @@ impl Observer for Cycles<'_> {
         &mut self,
         simulation: &mut Simulation,
     ) -> Result<Option<Renewed>, RuntimeError> {
-        if !std::mem::take(&mut self.ended) {
+        let ended = std::mem::take(&mut self.ended);
+        if self.wide.is_some_and(|wide| wide.settles) {
+            return Ok(self.settle(simulation, ended));
+        }
+        if !ended {
             return Ok(None);
+        }
+        if self.wide.is_none() && self.grid < self.samples {
+            return Ok(Some(self.with_samples(self.samples)));
         }
         let Some(slowest) = self.slowest.clone() else {
             return Ok(None);
@@ -540,6 +604,7 @@ impl<'a> Cycles<'a> {
     ) -> Cycles<'a> {
         Cycles {
             samples,
+            grid: samples,
             channels: model.compiled.system.channels.len(),
             limit: *periodic,
             comparison: Comparison::new(
@@ -570,6 +635,8 @@ impl<'a> Cycles<'a> {
             repeats: false,
             slowest: None,
             decay: None,
+            within: None,
+            settled: false,
             growing: Vec::new(),
             leaps: Leaps::default(),
             leapt: 0,
@@ -595,6 +662,7 @@ impl Cycles<'_> {
         }
         let verdict = self.comparison.next(now);
         self.slowest = verdict.slowest;
+        self.within = verdict.within;
         self.growing = verdict.growing;
         if let (Some(slowest), Some(left)) = (&mut self.slowest, self.left) {
             slowest.mode = slowest.mode.or(Some(left.mode));
@@ -666,6 +734,12 @@ impl Cycles<'_> {
     /// Estimated distance to the limit. Until three differences show a mode, the motion that a leap left out may decay as
     /// slowly as before, at worst without a turn: then its future differences sum up to `f/(1 − f)`.
     fn distance(&self, decay: &Decay) -> f64 {
+        if decay.mode.is_none() && self.settled {
+            let shown = self.within.zip(self.moved.within);
+            let factor = shown.map_or(1.0, |(channel, motion)| channel.max(motion));
+            let moved = self.moved.beyond * self.motion.share_of_clearance();
+            return distance_of_two(decay.change, factor, moved);
+        }
         let left = self.left.filter(|_| !self.moved.turns);
         let before = left.map_or(0.0, |left| {
             decay.change * left.mode.factor / (1.0 - left.mode.factor)
@@ -707,6 +781,44 @@ impl Cycles<'_> {
         self.orbits.clear();
     }
 
+    /// The first cycle of a model whose films settle: near its end the steps have the stated tolerance, and the next cycle has
+    /// the stated samples.
+    fn settle(&mut self, simulation: &mut Simulation, ended: bool) -> Option<Renewed> {
+        let (StepControl::Tolerance(stated), Some(wide)) =
+            (self.limit.integration.step, &mut self.wide)
+        else {
+            return None;
+        };
+        let turned = simulation.cycle_angle().unwrap_or(0.0) - simulation.cycle_start();
+        if !wide.settled && turned.abs() >= SETTLING * self.period {
+            wide.settled = true;
+            simulation.set_tolerance(stated);
+            let factor = libm::cbrt(stated / wide.tolerance);
+            simulation.renew_steps(simulation.next_step() * factor);
+        }
+        if !ended {
+            return None;
+        }
+        let wide = *wide;
+        self.forget();
+        self.wide = None;
+        self.settled = true;
+        // the last cycle alone needs all samples, and it is not the next one
+        let few = self.samples.is_multiple_of(wide.samples);
+        Some(self.with_samples(if few { wide.samples } else { self.samples }))
+    }
+
+    /// The beginning of a cycle with the stated tolerance and some samples.
+    fn with_samples(&mut self, samples: usize) -> Renewed {
+        self.grid = samples;
+        Renewed {
+            first_step: 1.0,
+            sample: self.period / samples as f64,
+            longest: self.period / self.samples as f64,
+            leapt: false,
+        }
+    }
+
     /// The beginning of a cycle with the stated tolerance and samples. The error of a step is of third order.
     fn renewed(&mut self, simulation: &mut Simulation, leapt: bool) -> Renewed {
         let mut first_step = 1.0;
@@ -718,8 +830,8 @@ impl Cycles<'_> {
         }
         Renewed {
             first_step,
-            sample: self.period / self.samples as f64,
             leapt,
+            ..self.with_samples(self.samples)
         }
     }
 
@@ -786,7 +898,18 @@ impl Cycles<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::Progress;
+    use super::{Progress, distance_of_two};
+
+    #[test]
+    fn two_cycles_show_a_decay_or_a_motion_that_repeats() {
+        // a film that settles within the cycle is no measure of a slower motion
+        assert_eq!(distance_of_two(8e-3, 1e-3, 1.0), 8e-3);
+        // a mount that decays by 0.9 a cycle is far from its limit
+        assert!((distance_of_two(8e-3, 0.9, 1.0) - 7.2e-2).abs() < 1e-12);
+        // differences that do not decay: the noise of steps, or a drift
+        assert_eq!(distance_of_two(3e-3, 4.0, 1e-4), 3e-3);
+        assert!((distance_of_two(3e-3, 4.0, 2e-3) - 1.8e-2).abs() < 1e-12);
+    }
 
     #[test]
     fn progress_grows_where_more_cycles_are_foreseen() {

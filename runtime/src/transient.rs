@@ -88,6 +88,8 @@ pub struct Renewed {
     pub first_step: f64,
     /// Distance of the samples (rad), positive.
     pub sample: f64,
+    /// Largest step, as an angle of the cycle (rad), positive.
+    pub longest: f64,
     /// Whether the state has changed. Then the observer gets a sample there.
     pub leapt: bool,
 }
@@ -114,9 +116,9 @@ pub trait Observer {
     fn paced(&mut self, _slow: &Slow) {}
     /// Takes a failed `advise`, each once.
     fn warning(&mut self, _warning: &Warning) {}
-    /// Called at the start of a run by cycles. It may change the steps. Returns the distance of the samples (rad), positive,
-    /// if it differs from the stated one.
-    fn at_start(&mut self, _simulation: &mut Simulation) -> Result<Option<f64>, RuntimeError> {
+    /// Called at the start of a run by cycles. It may change the steps. Returns the distance of the samples and the largest
+    /// step, as an angle of the cycle (rad), positive, if they differ from the stated ones.
+    fn at_start(&mut self, _simulation: &mut Simulation) -> Result<Option<[f64; 2]>, RuntimeError> {
         Ok(None)
     }
     /// Called after every step of a run by cycles. It may change the steps of the simulation or its state.
@@ -187,15 +189,15 @@ impl Points {
         }
     }
 
-    /// Time between two points at the present speed of the cycle (s). No step is longer, so that a step sees
-    /// every load that is as long as the distance of samples.
-    fn between(self, simulation: &Simulation) -> f64 {
+    /// The longest step at the present speed of the cycle (s), for the longest distance in the unit of the points. This is the
+    /// distance of samples, so that a step sees every load that is as long.
+    fn longest_step(self, longest: f64, simulation: &Simulation) -> f64 {
         match self {
-            Points::Time { distance } => distance,
-            Points::Angle { distance, .. } => {
+            Points::Time { .. } => longest,
+            Points::Angle { .. } => {
                 let rate = simulation.cycle_rate().unwrap_or(0.0).abs();
                 if rate > 0.0 {
-                    distance.abs() / rate
+                    longest / rate
                 } else {
                     f64::INFINITY
                 }
@@ -428,6 +430,7 @@ fn run(
         )?,
         observer,
         points,
+        longest: points.distance().abs(),
         next: 1,
         samples: 0,
         last: f64::NAN,
@@ -469,7 +472,7 @@ fn run(
             let end = renewal
                 .as_mut()
                 .map_or(limit, |renewal| renewal.end(&simulation).min(limit));
-            let longest = run.points.between(&simulation);
+            let longest = run.points.longest_step(run.longest, &simulation);
             let step = simulation.step_no_longer(end, longest)?.step;
             if let Some(gradients) = run.gradients.as_mut().filter(|_| step > 0.0) {
                 gradients.follow(&mut simulation, step)?;
@@ -538,6 +541,8 @@ struct Run<'a> {
     gradients: Option<Gradients>,
     observer: &'a mut dyn Observer,
     points: Points,
+    /// Longest distance of a step, in the unit of the points.
+    longest: f64,
     /// The next point.
     next: u64,
     samples: u64,
@@ -548,9 +553,12 @@ struct Run<'a> {
 impl Run<'_> {
     /// Lets the observer change steps and samples at the start of a run by cycles.
     fn begin_cycles(&mut self, simulation: &mut Simulation) -> Result<(), RuntimeError> {
-        let sample = self.observer.at_start(simulation)?;
-        if let (Points::Angle { distance, .. }, Some(sample)) = (&mut self.points, sample) {
+        let changed = self.observer.at_start(simulation)?;
+        if let (Points::Angle { distance, .. }, Some([sample, longest])) =
+            (&mut self.points, changed)
+        {
             *distance = sample.copysign(*distance);
+            self.longest = longest;
         }
         Ok(())
     }
@@ -569,6 +577,7 @@ impl Run<'_> {
             start: renewal.begin(),
             distance: renewed.sample.copysign(self.points.distance()),
         };
+        self.longest = renewed.longest;
         self.next = 1;
         if renewed.leapt {
             simulation.evaluate_channels(&mut self.values)?;

@@ -4,9 +4,10 @@
 //! deviations shrink is that of the motion. If the motion repeats within the tolerance of its steps,
 //! remaining changes of outputs are noise of these steps.
 
-use super::repetition::{Fit, slowest};
+use super::repetition::{Fit, slowest, thinned, within};
 use crate::decay::Mode;
 use crate::model::Model;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 /// Share of a state's size, at the usual tolerance, within which states of two cycles count as equal. It is
@@ -33,6 +34,8 @@ pub struct Moved {
     pub mode: Option<Mode>,
     /// The fit with this mode.
     pub fit: Option<Fit>,
+    /// The factor that the last difference shows by itself.
+    pub within: Option<f64>,
     /// Whether three differences are known. Two show no turn.
     pub turns: bool,
     /// Largest difference of positions and states, in units of the error that the tolerance of the steps
@@ -134,15 +137,21 @@ impl Motion {
                 .collect(),
         };
         let old = std::mem::replace(&mut self.before, motion.to_vec());
+        let count = self.states.len();
         let from = |age: usize| {
-            let before = self.cycles.get(age - 1);
-            let alike = before.filter(|before| before.poses.len() == cycle.poses.len());
-            alike.map(|before| self.beyond(&cycle, before))
+            let before = self.cycles.get(age - 1)?;
+            let alike = Cycle {
+                poses: thinned(&cycle.poses, self.pose_width(), before.poses.len())?.into_owned(),
+                states: thinned(&cycle.states, count, before.states.len())
+                    .map_or_else(Vec::new, Cow::into_owned),
+            };
+            Some(self.beyond(&alike, before))
         };
         let (beyond, beyond_long) = (from(1), from(LONG));
         self.cycles.push_front(cycle);
         self.cycles.truncate(LONG);
-        let Some(beyond) = beyond.filter(|_| old.len() == motion.len()) else {
+        let known = beyond.zip(thinned(motion, width, old.len()));
+        let Some((beyond, motion)) = known else {
             return Moved::default();
         };
         let difference = motion
@@ -158,16 +167,28 @@ impl Motion {
         Moved {
             mode: fit.map(|fit| fit.mode),
             fit,
+            within: within(of_age(0), width),
             turns: self.differences.len() > 2,
             beyond,
             beyond_long,
         }
     }
 
+    /// The error of positions that the tolerance leaves, as a share of the smallest clearance. The position tolerance is a
+    /// thousandth of this clearance.
+    pub fn share_of_clearance(&self) -> f64 {
+        1e-3 * self.share / STATE_TOLERANCE
+    }
+
+    /// Pose numbers of a sample.
+    fn pose_width(&self) -> usize {
+        self.places.last().map_or(1, |p| p.pose + 7 + p.modes)
+    }
+
     /// Largest difference of positions and states of two cycles, in units of the error that the tolerance
     /// leaves. The size of a state is its largest value in both cycles, as in the control of steps.
     fn beyond(&self, now: &Cycle, before: &Cycle) -> f64 {
-        let pose_width = self.places.last().map_or(1, |p| p.pose + 7 + p.modes);
+        let pose_width = self.pose_width();
         let mut worst = 0.0_f64;
         let poses = now.poses.chunks(pose_width);
         for (now, before) in poses.zip(before.poses.chunks(pose_width)) {

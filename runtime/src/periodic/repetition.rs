@@ -4,6 +4,7 @@ use crate::decay::{Decay, Mode};
 use eng_system::dense::largest;
 use eng_system::dimension::{BASES, Dimension};
 use eng_system::system::System;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -29,6 +30,9 @@ const PARALLEL: f64 = 1e-3;
 /// Number of samples below which a difference says nothing about its prediction. A choice: two factors fit
 /// two samples exactly, and of four they leave half.
 const FEW_SAMPLES: f64 = 4.0;
+/// Number of parts of a cycle, of which the first and the last show the decay within the cycle. A choice: a part of 45° of
+/// 720° contains no single zero of a vibration alone, and what a film loses in it is not much.
+const WINDOWS: usize = 16;
 
 /// A channel that grows by the same amount every cycle.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +48,8 @@ pub struct Growth {
 pub struct Verdict {
     /// The channel that changes most; absent after the first cycle and without channels.
     pub slowest: Option<Decay>,
+    /// The factor that its last difference shows by itself ([`within`]).
+    pub within: Option<f64>,
     /// Channels that grow.
     pub growing: Vec<Growth>,
 }
@@ -101,10 +107,10 @@ impl Comparison {
     pub fn next(&mut self, values: &[f64]) -> Verdict {
         let count = self.dimensions.len();
         let before = std::mem::replace(&mut self.before, values.to_vec());
-        if count == 0 || before.len() != values.len() {
+        let Some(compared) = thinned(values, count, before.len()) else {
             return Verdict::default();
-        }
-        let difference: Vec<f64> = values
+        };
+        let difference: Vec<f64> = compared
             .iter()
             .zip(&before)
             .enumerate()
@@ -139,6 +145,7 @@ impl Comparison {
             }
         }
         let (channel, change) = worst.unwrap_or((0, 0.0));
+        verdict.within = within(&self.column(0, channel), 1);
         verdict.slowest = Some(Decay {
             channel,
             change,
@@ -280,7 +287,11 @@ pub struct Fit {
 ///
 /// Two unknowns fit any difference at one or two samples. So if the cycles differ at few samples, the
 /// difference counts as not predicted.
-pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Fit> {
+pub fn slowest(differences: [&[f64]; 3], width: usize) -> Option<Fit> {
+    let known = differences.iter().filter(|d| !d.is_empty());
+    let least = known.map(|d| d.len()).min()?;
+    let alike = differences.map(|d| thinned(d, width, least).unwrap_or_default());
+    let [d0, d1, d2] = alike.each_ref().map(|d| d.as_ref());
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     let (s00, s11) = (dot(d0, d0), dot(d1, d1));
     if d1.is_empty() || s11 == 0.0 {
@@ -331,6 +342,31 @@ pub fn slowest([d0, d1, d2]: [&[f64]; 3], width: usize) -> Option<Fit> {
         },
         recurrence: [a, b],
     })
+}
+
+/// The samples of a cycle that stand at those of a cycle with fewer samples, which are `length` numbers. Each sample has
+/// `width` numbers. `None` if the samples of the other cycle are no part of these.
+pub fn thinned(values: &[f64], width: usize, length: usize) -> Option<Cow<'_, [f64]>> {
+    if width == 0 || length == 0 || !values.len().is_multiple_of(length) {
+        return None;
+    }
+    let every = values.len() / length;
+    if every <= 1 {
+        return Some(Cow::Borrowed(values));
+    }
+    let samples = values.chunks(width).skip(every - 1).step_by(every);
+    Some(Cow::Owned(samples.flatten().copied().collect()))
+}
+
+/// The factor by which a difference of two cycles shrinks within the cycle: the size of its last part over that of its first
+/// one. The end of a cycle is the beginning of the next, so both parts stand beside each other, and nearly a cycle lies
+/// between them. `None` without a difference in the first part.
+pub fn within(difference: &[f64], width: usize) -> Option<f64> {
+    let part = (difference.len() / width.max(1)).div_ceil(WINDOWS) * width;
+    let square = |part: &[f64]| part.iter().map(|d| d * d).sum::<f64>();
+    let first = square(difference.get(..part)?);
+    let last = square(difference.get(difference.len() - part..)?);
+    (first > 0.0).then(|| libm::sqrt(last / first))
 }
 
 /// Number of samples over which a difference is spread, `(Σ e)²/Σ e²` with e the sum of squares of a sample:
@@ -420,6 +456,46 @@ mod tests {
             (last.mode.unwrap().turn - 2.0 * PI * 0.07).abs() < 1e-6,
             "{last:?}"
         );
+    }
+
+    #[test]
+    fn a_decay_shows_within_a_difference() {
+        let decays = |factor: f64| {
+            let difference: Vec<f64> = (0..2 * SAMPLES)
+                .map(|i| libm::pow(factor, (i / 2) as f64 / SAMPLES as f64))
+                .collect();
+            within(&difference, 2)
+        };
+        // fifteen sixteenths of a cycle lie between both parts
+        for factor in [1e-3, 0.5, 0.9, 1.2] {
+            let due = libm::pow(factor, 15.0 / 16.0);
+            let found = decays(factor).unwrap();
+            assert!((found / due - 1.0).abs() < 1e-12, "{found} {due}");
+        }
+        assert_eq!(within(&[0.0; SAMPLES], 1), None);
+        assert_eq!(within(&[], 1), None);
+    }
+
+    #[test]
+    fn a_cycle_with_more_samples_is_compared_at_those_of_the_one_before() {
+        let cycle = |samples: usize, more: f64| -> Vec<f64> {
+            let at = |i: usize| (i as f64 + 1.0) / samples as f64;
+            (0..samples)
+                .map(|i| libm::sin(2.0 * PI * at(i)) + more * at(i))
+                .collect()
+        };
+        let mut comparison = Comparison::of(vec![Dimension::ONE], 1e-3);
+        assert_eq!(comparison.next(&cycle(12, 0.0)), Verdict::default());
+        let found = comparison.next(&cycle(SAMPLES, 0.1)).slowest.unwrap();
+        assert!((found.change * 2.0 - 0.1).abs() < 2e-3, "{found:?}");
+        assert_eq!(found.mode, None);
+        // half of the difference, at all samples now
+        let found = comparison.next(&cycle(SAMPLES, 0.15)).slowest.unwrap();
+        assert!((found.change * 2.0 - 0.05).abs() < 2e-3, "{found:?}");
+        let mode = found.mode.unwrap();
+        assert!((mode.factor - 0.5).abs() < 1e-9, "{mode:?}");
+        // twelve samples are no part of twenty
+        assert_eq!(thinned(&[0.0; 20], 1, 12), None);
     }
 
     #[test]
