@@ -15,7 +15,7 @@ fn concept() -> Program {
 analysis soon = periodic(Concept(speed: 2000 rpm), change: 1 %)
 analysis plain = periodic(Concept(speed: 2000 rpm), change: 1 %, cycles: 11)
 ";
-    let sources = Sources::from_text("concept.eng", &format!("{model}{analyses}"));
+    let sources = Sources::from_text("concept.eng", format!("{model}{analyses}"));
     eng::check(&sources, "concept.eng")
         .into_program()
         .unwrap_or_else(|report| panic!("{report}"))
