@@ -134,7 +134,7 @@ eng_grammar::codes! {
         "The search for the assembled position begins at the `guess`. From a distance of a thousand times the model's size it does not find the intended position: a unit is wrong.",
         "body crank { mass = 20 kg; inertia = [1, 1, 1] kg*m^2; guess position = [10, 1e9, 0] um }",
         "body crank { mass = 20 kg; inertia = [1, 1, 1] kg*m^2; guess position = [10, 10, 0] um }";
-    ASTRAY = "E0773", "a body runs away from the model",
+    RUNAWAY = "E0773", "a body runs away from the model",
         "The body is a million times the model's size from the ground's origin and kept accelerating on its way: a force with the wrong sign drives it, or a table has a number in a wrong unit. Bodies in free flight or under a constant force, and runs that begin far away, give no message.",
         "let push = if place < 0 mm then stiffness*place else 0 N",
         "let push = if place < 0 mm then -stiffness*place else 0 N";

@@ -1,5 +1,6 @@
 //! Definitions in words: the text of an item of a file or of the library, by its name.
 
+use crate::indexed::base;
 use eng_compiler::library::LIBRARY;
 use eng_grammar::ast::{BindingKind, Expr, ExprKind, File, Form, Item, ItemKind, Kind, Statement};
 use eng_grammar::{Diagnostics, SourceMap, parse};
@@ -46,7 +47,7 @@ pub(crate) fn of_modules<'a>(
             // `pulley[2]` is `pulley`; `pulley[2].brush` is not
             let path = match path.contains('.') {
                 true => path,
-                false => path.split('[').next().unwrap_or_default(),
+                false => base(path),
             };
             (path, by_name(&modules, path)?)
         }
@@ -97,8 +98,7 @@ fn along<'a>(modules: &[(&'a str, &'a File)], path: &str) -> Option<Vec<(String,
         let mut around = model;
         let mut trail: Vec<(String, &Item)> = Vec::new();
         for part in path.split('.') {
-            let name = part.split('[').next().unwrap_or_default();
-            around = in_definition(modules, around, name)?;
+            around = in_definition(modules, around, base(part))?;
             let so_far = match trail.last() {
                 Some((before, _)) => format!("{before}.{part}"),
                 None => part.to_owned(),

@@ -7,9 +7,10 @@ use crate::places::span;
 use crate::tables::Table;
 use crate::{Error, Model, Program, Report};
 use eng_compiler::typed::{ClassText, LevelText};
-use eng_grammar::{Diagnostics, SourceMap};
+use eng_grammar::{Diagnostics, SourceMap, nearest};
 use eng_runtime::RuntimeError;
 use eng_system::code::Bound;
+use eng_system::sentence::joined;
 use eng_system::significant::short;
 use eng_system::system::{
     BodyInertia, BodyRef, Channel, Element, ElementClass, Location, Origin, Role, System,
@@ -85,7 +86,7 @@ impl Program {
         if texts.is_empty() {
             return Err(Error::NoItem {
                 path: path.to_owned(),
-                nearest: nearest(path, &known),
+                nearest: nearest(path, known.iter().map(String::as_str)).map(str::to_owned),
             });
         }
         Ok(texts.join("\n"))
@@ -184,7 +185,7 @@ fn index_outside(path: &str, repeated: &Repeated, known: &[String]) -> Option<Er
 
 /// `the indices of rod are 1 to 4`.
 fn range_in_words(base: &str, made: &BTreeSet<Vec<usize>>) -> String {
-    let mut shown: Vec<String> = made.iter().take(MOST).map(|index| shown(index)).collect();
+    let shown: Vec<String> = made.iter().map(|index| shown(index)).collect();
     let flat: Option<Vec<usize>> = made
         .iter()
         .map(|index| match index.as_slice() {
@@ -199,12 +200,10 @@ fn range_in_words(base: &str, made: &BTreeSet<Vec<usize>>) -> String {
         }
         _ => {}
     }
-    if made.len() > MOST {
-        shown.push(format!("{} more", made.len() - MOST));
-    }
+    let shown: Vec<&str> = shown.iter().map(String::as_str).collect();
     match shown.as_slice() {
         [only] => format!("the one index of {base} is {only}"),
-        all => format!("the indices of {base} are {}", all.join(", ")),
+        all => format!("the indices of {base} are {}", joined(all, MOST)),
     }
 }
 
@@ -237,12 +236,6 @@ fn bound(model: &Model) -> Result<Bound, Error> {
 fn elements(system: &System) -> impl Iterator<Item = (&Element, &ElementClass)> {
     let stated = system.elements.iter().filter(|e| e.role == Role::Dynamic);
     stated.filter_map(|element| Some((element, system.classes.get(element.class as usize)?)))
-}
-
-fn nearest(path: &str, known: &[String]) -> Option<String> {
-    let distance = |other: &String| strsim::damerau_levenshtein(path, other);
-    let near = known.iter().map(|other| (distance(other), other)).min()?;
-    (near.0 <= 2 + path.len() / 6).then(|| near.1.clone())
 }
 
 /// `engine.eng:84`; empty if the place is not known.
@@ -580,10 +573,7 @@ impl Explained<'_> {
         let paths: Vec<&str> = own
             .map(|(element, _)| element.origin.path.as_str())
             .collect();
-        match paths.len().saturating_sub(MOST) {
-            0 => paths.join(", "),
-            more => format!("{} and {more} more", paths[..MOST].join(", ")),
-        }
+        joined(&paths, MOST)
     }
 
     fn marker(&self, index: usize) -> String {

@@ -5,8 +5,8 @@ use crate::counted::counted;
 use crate::places::{place, related, span, with_part};
 use eng_grammar::Diagnostic;
 use eng_runtime::{
-    Damped, FAILS, Jump, Jumping, Leaving, NotBack, Overlooked, Pace, PeriodicSummary,
-    RuntimeError, Slow, StartReport, Turning, Undefined, Unstable,
+    Damped, FAILS, Jump, Jumping, Leaving, NotBack, Overlooked, PeriodicSummary, RuntimeError,
+    Slow, StartReport, StepLimit, Turning, Undefined, Unstable,
 };
 use eng_system::code::BindError;
 use eng_system::sentence;
@@ -144,10 +144,10 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
         R::Demanded { origin, text, row, velocity, .. } => {
             demanded(d(codes::DEMANDED), (origin, text), &row.equation, *velocity)
         }
-        R::Stopped(slow) => paced(d(codes::STOPPED), &slow.pace),
+        R::Stopped(slow) => paced(d(codes::STOPPED), &slow.limit),
         R::TurnsTooFar { origin, step, degrees, .. } => place(d(codes::OPTIONS), origin, "turns this fast")
             .with_help(format!("state a `step` below {} s, or none: then error control chooses the steps", significant(step * 90.0 / degrees, 2))),
-        R::Astray { origin, .. } => place(d(codes::ASTRAY), origin, "moves away ever faster")
+        R::Runaway { origin, .. } => place(d(codes::RUNAWAY), origin, "moves away ever faster")
             .with_help("a force accelerates it: check the signs of the forces on this body and the units of their arguments"),
         // conditions on several dimensions have no common unit
         R::Require { origin, value, dimension, .. } => {
@@ -368,8 +368,8 @@ fn jumps(message: Diagnostic, jump: &Jump) -> Diagnostic {
 /// The warning about a run that continues in short steps, because of a jump or because it slows down. `rest`
 /// is the remaining time in words of a run that slows down. Without `rest` only a jump gives a warning.
 pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Diagnostic> {
-    let (code, title) = match (&*slow.pace, rest) {
-        (Pace::Jump(_), _) => (
+    let (code, title) = match (&*slow.limit, rest) {
+        (StepLimit::Jump(_), _) => (
             codes::JUMPING,
             format!("{analysis} advances slowly at {}; its {slow}", slow.moment),
         ),
@@ -382,20 +382,20 @@ pub(crate) fn slow(slow: &Slow, analysis: &str, rest: Option<&str>) -> Option<Di
         ),
         (_, None) => return None,
     };
-    Some(paced(Diagnostic::warning(code, title), &slow.pace))
+    Some(paced(Diagnostic::warning(code, title), &slow.limit))
 }
 
 /// Adds the cause of the short steps and the remedy.
-fn paced(message: Diagnostic, pace: &Pace) -> Diagnostic {
-    match pace {
-        Pace::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
-        Pace::Samples => message.with_help("state a longer `sample`: this is the sampling interval"),
-        Pace::Turn => message.with_help("a step turns a body by a quarter radian at most. Look whether a body turns faster than intended; if not, state a shorter `duration`"),
-        Pace::Sines => message.with_help("look whether a frequency in an `if`, `min`, `max` or `abs` is higher than intended; if not, state a shorter `duration`"),
-        Pace::Jump(jump) => jumps(message, jump),
-        Pace::Error { origin, .. } => place(message, origin, "its motion needs these steps")
+fn paced(message: Diagnostic, limit: &StepLimit) -> Diagnostic {
+    match limit {
+        StepLimit::Stated => message.with_help("take a longer `step`, or none: then error control chooses the steps"),
+        StepLimit::Samples => message.with_help("state a longer `sample`: this is the sampling interval"),
+        StepLimit::Turn => message.with_help("a step turns a body by a quarter radian at most. Look whether a body turns faster than intended; if not, state a shorter `duration`"),
+        StepLimit::Sines => message.with_help("look whether a frequency in an `if`, `min`, `max` or `abs` is higher than intended; if not, state a shorter `duration`"),
+        StepLimit::Jump(jump) => jumps(message, jump),
+        StepLimit::Error { origin, .. } => place(message, origin, "its motion needs these steps")
             .with_help("something is very stiff or fast, or grows without bound: look at stiffness, damping (its sign, too), mass and clearance around this body"),
-        Pace::Unsolved { origin, .. } => place(message, origin, "the largest residual is here")
+        StepLimit::Unsolved { origin, .. } => place(message, origin, "the largest residual is here")
             .with_help("something is very stiff, or a mechanism comes to the end of its reach: look at the outputs just before"),
     }
 }
@@ -656,12 +656,12 @@ pub(crate) fn periodic(
     if let Some((decay, mode)) = decay.and_then(|d| Some((d, d.mode?))) {
         // in a motion that repeats, deviations that do not shrink are below the `change` that counts as a
         // repetition
-        let pace = match found.repeats && mode.factor >= crate::repetition::HARDLY_SHRINKS {
+        let shrinking = match found.repeats && mode.factor >= crate::repetition::HARDLY_SHRINKS {
             true => "are as small as the errors of the steps".to_owned(),
-            false => crate::repetition::pace(mode.factor),
+            false => crate::repetition::decay_in_words(mode.factor),
         };
         facts.push(format!(
-            "slowest decay: deviations of the motion {pace}; they are largest in {}",
+            "slowest decay: deviations of the motion {shrinking}; they are largest in {}",
             name(decay.channel),
         ));
     }

@@ -12,9 +12,9 @@ use eng_system::reduced::ReducedSurface;
 use eng_system::significant::short;
 use std::sync::Arc;
 
-/// Gap, as a share of the radial clearance, below which a film continues for the iterates of a solver. The
-/// laws without a field continue at the same eccentricity ratio. A choice: surfaces touch before, so that
-/// only iterates are there.
+/// Floor of the gap, as a share of the radial clearance. A film with less gap is continued, so that it has a
+/// solution at every iterate of a solver. A choice: surfaces touch before, and the laws without a field continue
+/// at the same eccentricity ratio.
 const FLOOR: f64 = 1e-3;
 
 /// Share of its radius by which the surface of a body may be larger than its film: a thin shell may lie

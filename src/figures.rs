@@ -2,14 +2,15 @@
 //!
 //! They are trees of the same form as the figures of a `report` block; [`post::draw`] draws both.
 
+use crate::indexed::base;
 use crate::machine::JournalGeometry;
 use crate::post::{self, ORDERS, PostError, Run};
-use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
+use crate::results::{CYCLE_ANGLE, Column, Results, TIME, display_unit};
 use crate::tables::response;
 use eng_report::figure::Figure;
+use eng_system::Dimension;
 use eng_system::expression::{Expression, Function, Member, Window};
 use eng_system::figure::{self as plan, Averaging, Axis, Picture, SpectrumSettings, Vector};
-use eng_system::{Dimension, DisplayUnit};
 use std::f64::consts::TAU;
 
 /// The share of its size by which a column must vary to have a spectrum: the rest is rounding. A choice some
@@ -152,7 +153,7 @@ impl Family {
             if column.path.contains('.') || column.path == TIME {
                 continue;
             }
-            let name = column.path.split('[').next().unwrap_or_default();
+            let name = base(&column.path);
             match families.iter_mut().find(|f| f.name == name) {
                 Some(family) => family.paths.push(column.path.clone()),
                 None => families.push(Family {
@@ -220,8 +221,8 @@ fn member(analysis: &str, path: &str) -> Member {
     }
 }
 
-/// Figures of the same values once; the first one names the columns of the others. A force that is also an
-/// output of the model is drawn as the output.
+/// The figures without those that repeat the values of another. A figure that stays also names the columns of those
+/// that repeat it. A force that is also an output of the model is drawn as the output.
 pub(crate) fn distinct(all: Vec<Wanted>, results: &Results) -> Vec<Wanted> {
     let values = |path: &String| results.column(path).map(|column| &column.values);
     let mut shown: Vec<Wanted> = Vec::new();
@@ -315,11 +316,7 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
             dimension: Dimension::FORCE,
             figure: plan::Figure {
                 quantity: "load".to_owned(),
-                display: DisplayUnit {
-                    symbol: symbol.to_owned(),
-                    scale,
-                    offset: 0.0,
-                },
+                display: display_unit(symbol, scale),
                 picture: Picture::Polar(plan::Polar {
                     vectors,
                     cycles: None,
@@ -419,11 +416,7 @@ pub(crate) fn campbell(path: &str, runs: &[Run<'_>], modes: Vec<String>) -> Opti
         dimension: column.dimension,
         figure: plan::Figure {
             quantity,
-            display: DisplayUnit {
-                symbol: symbol.to_owned(),
-                scale: 1.0,
-                offset: 0.0,
-            },
+            display: display_unit(symbol, 1.0),
             picture: Picture::Campbell(plan::Campbell {
                 members: over_runs(path, runs),
                 settings,
@@ -473,14 +466,7 @@ fn varying<'r>(path: &str, runs: &[Run<'r>]) -> Option<&'r Column> {
 /// Columns of the points of a sweep over the column of its variable; a speed is shown in rpm.
 pub(crate) fn over_variable(sweep: &str, title: String, x: &Column, columns: &[&Column]) -> Wanted {
     let (quantity, display) = match x.dimension == Dimension::ANGLE.over(Dimension::TIME) {
-        true => {
-            let rpm = DisplayUnit {
-                symbol: "rpm".to_owned(),
-                scale: TAU / 60.0,
-                offset: 0.0,
-            };
-            ("speed".to_owned(), rpm)
-        }
+        true => ("speed".to_owned(), display_unit("rpm", TAU / 60.0)),
         false => (x.path.replace('_', " "), x.display.clone()),
     };
     let paths: Vec<String> = columns.iter().map(|column| column.path.clone()).collect();
@@ -535,7 +521,7 @@ mod tests {
         Column {
             path: path.to_owned(),
             dimension,
-            display: DisplayUnit::si(dimension),
+            display: eng_system::DisplayUnit::si(dimension),
             ..Column::time(values)
         }
     }

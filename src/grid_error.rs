@@ -64,10 +64,11 @@ pub(crate) enum Found {
     Errors(usize, LoadErrors),
     /// A film without load.
     NoLoad,
-    /// The reason for which finer cells at a moment do not show the error, and the share of the flooded ends
-    /// of a film with memory whose outermost cell is not full of oil.
+    /// Finer cells at a moment do not show the error.
     Unknown {
+        /// The reason.
         reason: String,
+        /// Share of the flooded ends of a film with memory whose outermost cell is not full of oil.
         unfilled: Option<f64>,
     },
 }
@@ -81,8 +82,8 @@ pub(crate) struct LoadErrors {
     /// Largest error of the highest pressure at the same load on a scaled orbit ([`OnBothGrids::at_load`]), over
     /// the largest pressure of the moments. `None` if no place with this load was found.
     pub pressure: Option<f64>,
-    /// At the moment of the least film: that film (m), and by how much it is too thick (m) at the same load
-    /// on a scaled orbit. `None` if no place with this load was found.
+    /// The least film of the moments (m), and by how much it is too thick (m) at the same load on a scaled orbit.
+    /// `None` if no place with this load was found.
     pub film: Option<[f64; 2]>,
 }
 
@@ -267,8 +268,9 @@ fn shear(solved: &[OnBothGrids]) -> Option<f64> {
     sizes.try_fold(0.0_f64, |most, size| Some(most.max(size?)))
 }
 
-/// The error of the largest size, of numbers on the own and on the finer cells, over the largest finer number. It
-/// is positive for an own number that is too large. `None` if all finer numbers are zero.
+/// The largest error of numbers on the own cells, as a share of the largest number on the finer cells. A pair has
+/// the own number and the finer one. The error is positive if the own number is too large. `None` if all finer
+/// numbers are zero.
 fn share_of_error(pairs: &[[f64; 2]]) -> Option<f64> {
     let most = pairs
         .iter()

@@ -55,6 +55,7 @@ pub mod results;
 mod analysis;
 pub mod assembled;
 mod counted;
+mod cycle;
 mod definitions;
 mod error;
 mod explained;
@@ -63,6 +64,7 @@ mod fields;
 mod figures;
 pub mod fmu;
 mod grid_error;
+mod indexed;
 mod kinematic;
 mod lint;
 mod machine;
@@ -95,8 +97,8 @@ pub use eng_runtime::linearised::{
     Wanted,
 };
 pub use eng_runtime::{
-    Determined, Energy, Pace, PeriodicSummary, Reading, RuntimeError, Shared, Slow, StartReport,
-    Statistics, TopologyReport, Turning, Verdict, Warning,
+    Determined, Energy, PeriodicSummary, Reading, RuntimeError, Shared, Slow, StartReport,
+    Statistics, StepLimit, TopologyReport, Turning, Verdict, Warning,
 };
 pub use eng_system::host::HostError;
 pub use eng_system::input::Interpolation;

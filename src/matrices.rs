@@ -13,10 +13,10 @@
 
 use crate::analysis::Analysis;
 use crate::modes::{coefficients, linearised_at};
-use crate::results::{ResultsError, file_stem, replace_file};
+use crate::results::{ResultsError, file_stem, remove_if_there, replace_file};
 use eng_grammar::Diagnostic;
 use eng_runtime::LinearModes;
-use eng_system::analysis::{AnalysisKind, Names};
+use eng_system::analysis::Names;
 use eng_system::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 use nalgebra::DMatrix;
@@ -74,11 +74,6 @@ fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
 impl Analysis {
     /// Inputs and outputs of the matrices, in their order.
     fn signals(&self) -> [Vec<Signal>; 2] {
-        let linear = match self.kind() {
-            AnalysisKind::Linear(linear) => linear,
-            AnalysisKind::Response(response) => &response.about,
-            _ => return [Vec::new(), Vec::new()],
-        };
         let system = &self.model().compiled().system;
         let signal = |path: &str, dimension: Dimension, display: &DisplayUnit| Signal {
             path: path.to_owned(),
@@ -90,14 +85,21 @@ impl Analysis {
             },
         };
         // the run that made the matrices has found all names
-        let inputs = Names::Inputs.indices(&linear.inputs, &system.paths_of(Names::Inputs));
-        let inputs = inputs.unwrap_or_default().into_iter().filter_map(|k| {
+        let indices = |wanted: Names| -> Vec<usize> {
+            let lists = self.kind().named().into_iter();
+            let mut own = lists.filter(|(_, names, _)| *names == wanted);
+            let paths = system.paths_of(wanted);
+            let found = own
+                .next()
+                .and_then(|(.., list)| wanted.indices(list, &paths).ok());
+            found.unwrap_or_default()
+        };
+        let inputs = indices(Names::Inputs).into_iter().filter_map(|k| {
             let parameter = system.inputs.get(k)?.parameter;
             let found = system.parameters.get(parameter as usize)?;
             Some(signal(&found.origin.path, found.dimension, &found.display))
         });
-        let outputs = Names::Channels.indices(&linear.outputs, &system.paths_of(Names::Channels));
-        let outputs = outputs.unwrap_or_default().into_iter().filter_map(|k| {
+        let outputs = indices(Names::Channels).into_iter().filter_map(|k| {
             let found = system.channels.get(k)?;
             Some(signal(&found.path, found.dimension, &found.display))
         });
@@ -112,12 +114,7 @@ impl Analysis {
         let path = file_of(folder, self.name());
         let found = modes.and_then(|modes| Some((modes, modes.matrices.as_ref()?)));
         let Some((modes, matrices)) = found else {
-            return match std::fs::remove_file(&path) {
-                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                    Err(ResultsError::File { path, source })
-                }
-                _ => Ok(()),
-            };
+            return remove_if_there(&path);
         };
         let [inputs, outputs] = self.signals();
         let document = Document {

@@ -2,7 +2,7 @@
 
 use crate::counted::counted;
 use crate::{Error, Quantity, Report};
-use eng_grammar::{Diagnostics, SourceMap};
+use eng_grammar::{Diagnostics, SourceMap, nearest};
 use eng_system::code::Compiled;
 use eng_system::input::Interpolation;
 use eng_system::system::{Body, BodyInertia};
@@ -157,7 +157,8 @@ impl Model {
             }),
             None => Err(Error::NoParameter {
                 path: path.to_owned(),
-                nearest: nearest(path, all.iter().map(|p| p.origin.path.as_str())),
+                nearest: nearest(path, all.iter().map(|p| p.origin.path.as_str()))
+                    .map(str::to_owned),
             }),
         }
     }
@@ -188,7 +189,7 @@ impl Model {
                 }
                 None => Err(Error::NoInput {
                     path: path.to_owned(),
-                    nearest: nearest(path, inputs.iter().map(path_of)),
+                    nearest: nearest(path, inputs.iter().map(path_of)).map(str::to_owned),
                 }),
             },
         }
@@ -223,7 +224,7 @@ impl Model {
             }),
             None => Err(Error::NoChannel {
                 path: path.to_owned(),
-                nearest: nearest(path, all.iter().map(|c| c.path.as_str())),
+                nearest: nearest(path, all.iter().map(|c| c.path.as_str())).map(str::to_owned),
             }),
         }
     }
@@ -400,13 +401,4 @@ fn fingerprint(system: &eng_system::system::System) -> u64 {
         .iter()
         .take(8)
         .fold(0, |bits, byte| bits << 8 | u64::from(*byte))
-}
-
-/// The known path with the most similar spelling.
-fn nearest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
-    known
-        .map(|k| (strsim::damerau_levenshtein(wanted, k), k))
-        .min_by_key(|(distance, _)| *distance)
-        .filter(|(distance, _)| *distance <= 1 + wanted.len() / 3)
-        .map(|(_, k)| k.to_owned())
 }

@@ -2,8 +2,9 @@
 
 use crate::error::{Error, Report};
 use crate::fields::Fields;
+use crate::indexed::base;
 use crate::model::{Model, hexadecimal};
-use crate::reduction::{Asked, Looks, Reducer, Reduction};
+use crate::reduction::{Asked, Inspections, Reducer, Reduction};
 use crate::sources::{Sources, cache_folder};
 use crate::timings::{CheckTimings, Clock};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
@@ -60,7 +61,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
     }
     let typed = eng_compiler::check::check(resolved, &texts, &mut diagnostics);
     spent.types = clock.since();
-    let (shared, looks) = (SharedModels::default(), Looks::default());
+    let (shared, inspections) = (SharedModels::default(), Inspections::default());
     let mut plans = Vec::new();
     if !diagnostics.has_errors() {
         plans = analyses(&typed, &mut texts, sources, &mut diagnostics);
@@ -69,7 +70,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             let made = shared.model(&typed, &mut texts, sources, model, &[], &mut diagnostics);
             spent.elaboration += clock.since();
             for flexible in made.iter().flat_map(|made| &made.elaborated.flexible) {
-                for found in looks.inspect(sources, flexible) {
+                for found in inspections.inspect(sources, flexible) {
                     diagnostics.push(found);
                 }
             }
@@ -113,7 +114,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             texts: Arc::clone(&texts),
             file: file.to_owned(),
             reducer: Reducer::default(),
-            looks,
+            inspections,
             checked: spent,
             source_hash: OnceLock::new(),
         }),
@@ -219,7 +220,7 @@ struct Inner {
     texts: Arc<SourceMap>,
     file: String,
     reducer: Reducer,
-    looks: Looks,
+    inspections: Inspections,
     /// Processor time of its check.
     checked: CheckTimings,
     /// [`Program::source_hash`], when it was asked for: each point of a sweep asks.
@@ -297,18 +298,18 @@ impl Program {
         reductions
             .iter()
             .try_for_each(|reduction| reduction.save(&keep))?;
-        self.inner.looks.save(&keep)?;
-        Ok(self.inner.looks.files())
+        self.inner.inspections.save(&keep)?;
+        Ok(self.inner.inspections.files())
     }
 
     /// Whether a model of the file has flexible bodies.
     pub(crate) fn is_flexible(&self) -> bool {
-        !self.inner.looks.is_empty()
+        !self.inner.inspections.is_empty()
     }
 
     /// Hashes of the meshes and matrices by their names.
     pub(crate) fn meshes(&self) -> BTreeMap<String, String> {
-        self.inner.looks.files()
+        self.inner.inspections.files()
     }
 
     /// The texts that messages point into.
@@ -412,7 +413,6 @@ impl Program {
 
     /// Whether an analysis with an index gives a parameter other values at other points.
     pub(crate) fn sweeps(&self, analysis: &str, path: &str) -> bool {
-        let base = |name: &str| name.split('[').next().map(str::to_owned);
         let mut values = self
             .inner
             .plans
@@ -435,7 +435,6 @@ impl Program {
 
     /// Whether an analysis with an index gives a constant other values at other points.
     pub(crate) fn varies(&self, analysis: &str, path: &str) -> bool {
-        let base = |name: &str| name.split('[').next().map(str::to_owned);
         let mut values = self
             .inner
             .plans
@@ -517,7 +516,7 @@ impl Program {
         let Inner {
             sources,
             reducer,
-            looks,
+            inspections,
             ..
         } = &*self.inner;
         let failed = |diagnostic: Box<Diagnostic>| {
@@ -537,7 +536,9 @@ impl Program {
             }
         } else {
             for (_, source, turned) in asked {
-                let outline = looks.outline(sources, source, &turned).map_err(failed)?;
+                let outline = inspections
+                    .outline(sources, source, &turned)
+                    .map_err(failed)?;
                 reduced.push(Arc::new(match bodies {
                     Bodies::Loose => outline.loose(),
                     _ => outline.rigid(),

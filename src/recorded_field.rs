@@ -11,13 +11,13 @@
 //! | `F.step` | time since the beginning of the step; 0 for a field in balance |
 //! | `F.memory[1]`, … | the memory of the field at that beginning |
 
-use crate::results::{CellColumn, Column, Results};
+use crate::results::{CellColumn, Column, Results, display_unit};
 use eng_runtime::model::Model;
+use eng_system::Dimension;
 use eng_system::field::{
     Accuracy, CellQuantity, FieldError, FieldGrid, FieldKernel, FieldSolver, KERNELS, Kernel, Past,
     Takes, drives,
 };
-use eng_system::{Dimension, DisplayUnit};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -208,11 +208,7 @@ impl RecordedField {
             .map(|quantity| CellColumn {
                 path: format!("{begin}.{}", quantity.name),
                 dimension: quantity.dimension,
-                display: DisplayUnit {
-                    symbol: quantity.unit.0.to_owned(),
-                    scale: quantity.unit.1,
-                    offset: 0.0,
-                },
+                display: display_unit(quantity.unit.0, quantity.unit.1),
                 frame: frame.to_owned(),
                 grid: grid.clone(),
                 values: Vec::with_capacity(grid.cells() * motion.samples()),

@@ -192,8 +192,10 @@ impl Repetition {
                 .with_note("so few cycles don't tell how fast its change shrinks")
                 .with_help(MORE),
             Some(factor) => {
-                let message =
-                    message.with_note(format!("deviations of the motion {}", pace(factor)));
+                let message = message.with_note(format!(
+                    "deviations of the motion {}",
+                    decay_in_words(factor)
+                ));
                 if factor < HARDLY_SHRINKS {
                     message.with_help(MORE)
                 } else if factor <= HARDLY_GROWS {
@@ -207,7 +209,7 @@ impl Repetition {
 }
 
 /// The growth or decay of deviations from cycle to cycle, as words after a plural.
-pub(crate) fn pace(factor: f64) -> String {
+pub(crate) fn decay_in_words(factor: f64) -> String {
     if factor < HARDLY_SHRINKS {
         format!("shrink by the factor {factor:.3} per cycle")
     } else if factor <= HARDLY_GROWS {

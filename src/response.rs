@@ -12,6 +12,7 @@ use crate::results::{Column, FREQUENCIES, ROWS, Results, ResultsError};
 use eng_runtime::linearised::{FrequencyResponse, Mode};
 use eng_system::analysis::Response;
 use eng_system::recorded::of_response;
+use eng_system::sentence::joined;
 use eng_system::significant::short;
 use eng_system::system::System;
 
@@ -72,14 +73,13 @@ pub(crate) fn facts(found: &FrequencyResponse) -> Vec<String> {
         facts.push("the response is that of the held coefficients: near the frequency of a growing mode it is no steady vibration".to_owned());
     }
     let named: Vec<String> = found.undamped.iter().map(|f| short(*f, 6)).collect();
-    let shown = match named.len() {
-        0 => return facts,
-        n if n > NAMED => format!("{} and {} more", named[..NAMED].join(", "), n - NAMED),
-        _ => named.join(", "),
-    };
-    facts.push(format!(
-        "{} without damping at {shown} Hz: the response has no bound there, and its largest amplitude is that of the nearest point",
-        counted(named.len(), "mode", "modes")
-    ));
+    let named: Vec<&str> = named.iter().map(String::as_str).collect();
+    if !named.is_empty() {
+        facts.push(format!(
+            "{} without damping at {} Hz: the response has no bound there, and its largest amplitude is that of the nearest point",
+            counted(named.len(), "mode", "modes"),
+            joined(&named, NAMED)
+        ));
+    }
     facts
 }

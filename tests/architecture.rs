@@ -1,5 +1,5 @@
 //! The rules of the architecture: top-level modules of a crate have no circles, the library does not use the command
-//! line, functions are short.
+//! line, the crates below it neither print nor open files, functions are short.
 //!
 //! Sources are read in the form of `cargo fmt`, without the tests inside of them.
 
@@ -309,47 +309,149 @@ fn the_library_does_not_know_the_command_line() {
     }
 }
 
+/// The functions of a text with their numbers of lines: nothing for a function whose end is not found.
+fn lengths(text: &str) -> Vec<(String, Option<usize>)> {
+    let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+    let mut found = Vec::new();
+    for (begin, line) in lines.iter().enumerate() {
+        let Some((_, name)) = line.split_once("fn ").filter(|(before, _)| {
+            before.split_whitespace().all(|word| {
+                word.starts_with("pub")
+                    || ["const", "unsafe", "extern"].contains(&word)
+                    || word.ends_with(')')
+            })
+        }) else {
+            continue;
+        };
+        let indent = line.len() - line.trim_start().len();
+        let close = format!("{}}}", " ".repeat(indent));
+        let rest = &lines[begin..];
+        let length = rest
+            .iter()
+            .position(|line| line.ends_with(['{', '}', ';']))
+            .and_then(|head| match rest[head].ends_with('{') {
+                true => rest.iter().position(|line| *line == close),
+                // a method without a body, or a body in the same line
+                false => Some(head),
+            })
+            .map(|end| end + 1);
+        let name = name
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_');
+        found.push((name.collect(), length));
+    }
+    found
+}
+
 #[test]
 fn functions_are_short() {
-    let mut found: BTreeSet<(String, String)> = BTreeSet::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
     for (_, folder) in CRATES {
         for (path, text) in sources(&root.join(folder)) {
-            let file = path
-                .strip_prefix(root)
-                .expect("below the root")
-                .to_string_lossy();
-            let lines: Vec<&str> = text.lines().collect();
-            for (begin, line) in lines.iter().enumerate() {
-                let Some((_, name)) = line.split_once("fn ").filter(|(before, _)| {
-                    before.split_whitespace().all(|word| {
-                        word.starts_with("pub")
-                            || ["const", "unsafe", "extern"].contains(&word)
-                            || word.ends_with(')')
-                    })
-                }) else {
-                    continue;
-                };
-                let indent = line.len() - line.trim_start().len();
-                let close = format!("{}}}", " ".repeat(indent));
-                let rest = &lines[begin..];
-                let length = rest
-                    .iter()
-                    .position(|line| line.trim_end() == close)
-                    .unwrap_or(0)
-                    + 1;
-                let name: String = name
-                    .chars()
-                    .take_while(|c| c.is_alphanumeric() || *c == '_')
-                    .collect();
-                if length > LONGEST {
-                    println!("{file}: {name} has {length} lines");
-                    found.insert((file.to_string(), name));
+            for (name, length) in lengths(&text) {
+                if length.is_none_or(|length| length > LONGEST) {
+                    found.push(format!("{}: {name} has {length:?} lines", path.display()));
                 }
             }
         }
     }
-    assert_eq!(found, BTreeSet::new());
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+/// The files of these crates that print or open files, with the reason.
+const MAY_PRINT: [(&str, &str); 1] = [(
+    "flexible/src/stack/tests.rs",
+    "tests, which `mod.rs` beside it compiles for tests alone",
+)];
+
+/// The words of a text that print, or open a file.
+fn effects(text: &str) -> Vec<String> {
+    let tokens = tokens(text);
+    let mut found = Vec::new();
+    for (at, word) in tokens.iter().enumerate() {
+        let next = tokens.get(at + 1).map_or("", String::as_str);
+        let effect = match word.as_str() {
+            "print" | "println" | "eprint" | "eprintln" | "dbg" => next == "!",
+            "stdin" | "stdout" | "stderr" => next == "(",
+            "std" if next == "::" => heads(&tokens, at + 2).iter().any(|head| head == "fs"),
+            "fs" => next == "::",
+            "File" => {
+                next == "::"
+                    && heads(&tokens, at + 2)
+                        .iter()
+                        .any(|head| ["open", "create", "create_new", "options"].contains(&&**head))
+            }
+            "OpenOptions" => true,
+            _ => false,
+        };
+        if effect {
+            found.push(word.clone());
+        }
+    }
+    found
+}
+
+#[test]
+fn crates_below_the_library_neither_print_nor_open_files() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = Vec::new();
+    for (name, folder) in CRATES {
+        if ["eng", "eng-python", "eng-capi"].contains(&name) {
+            continue;
+        }
+        for (path, text) in sources(&root.join(folder)) {
+            let inside = path.strip_prefix(root).expect("below the root");
+            let inside = inside.to_string_lossy().replace('\\', "/");
+            let effects = effects(&text);
+            if !effects.is_empty() {
+                found.push((inside, effects));
+            }
+        }
+    }
+    let files: Vec<&str> = found.iter().map(|(file, _)| file.as_str()).collect();
+    assert_eq!(files, MAY_PRINT.map(|(file, _)| file), "{found:#?}");
+}
+
+#[test]
+fn the_rules_can_fail() {
+    let lines = "    let a = 1;\n".repeat(LONGEST);
+    let text = format!(
+        "trait A {{\n    fn a(&self);\n}}\nfn b() {{}}\npub(crate) fn c() {{\n{lines}}}\nfn d() {{\n    e();\n"
+    );
+    let due = [
+        ("a", Some(1)),
+        ("b", Some(1)),
+        ("c", Some(LONGEST + 2)),
+        ("d", None),
+    ];
+    assert_eq!(
+        lengths(&text),
+        due.map(|(name, length)| (name.to_owned(), length))
+    );
+
+    let uses = |pairs: &[(&str, &str)]| {
+        let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+        for (from, to) in pairs {
+            let edges = graph.entry((*from).to_owned()).or_default();
+            edges.insert((*to).to_owned());
+        }
+        graph
+    };
+    let straight = [("a", "b"), ("a", "c"), ("b", "c")];
+    assert_eq!(circles(&uses(&straight)), BTreeSet::new());
+    let circle = [("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")];
+    let due = ["b", "c"].map(str::to_owned).to_vec();
+    assert_eq!(circles(&uses(&circle)), BTreeSet::from([due]));
+
+    let text =
+        "use std::{fs::File, io}; use std::io::Read; fn a(out: &mut dyn Write) { File::default();
+        writeln!(out, \"println!\"); File::open(b); println!(); fs::read(c); }";
+    assert_eq!(effects(&bare(text)), ["std", "fs", "File", "println", "fs"]);
+    assert_eq!(
+        effects("use std::io::Read; writeln!(out); File::default()").len(),
+        0
+    );
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The `eng` command as a process: exit codes, texts and files that scripts use.
 
+use crate::support::Temporary;
 use std::process::{Command, Output};
 
 fn eng(arguments: &[&str]) -> Output {
@@ -73,12 +74,11 @@ fn a_file_that_is_not_there_exits_with_2() {
 }
 
 /// A folder of its own, removed afterwards.
-struct Texts(std::path::PathBuf);
+struct Texts(Temporary);
 
 impl Texts {
     fn new(name: &str) -> Texts {
-        let folder = std::env::temp_dir().join(format!("eng-fmt-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
+        let folder = Temporary::new(&format!("fmt-{name}"));
         std::fs::create_dir_all(folder.join("inner/.hidden")).expect("a folder");
         Texts(folder)
     }
@@ -91,12 +91,6 @@ impl Texts {
 
     fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.join(name)).expect("a file")
-    }
-}
-
-impl Drop for Texts {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

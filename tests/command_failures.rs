@@ -1,19 +1,17 @@
 //! Messages of the command about failures: as JSON if it is chosen, without escape sequences of texts or names,
 //! and within bounded time.
 
+use crate::support::Temporary;
 use eng::results::Results;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-struct Folder(PathBuf);
+struct Folder(Temporary);
 
 impl Folder {
     fn new(name: &str) -> Folder {
-        let folder =
-            std::env::temp_dir().join(format!("eng-failures-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = Temporary::new(&format!("failures-{name}"));
         Folder(folder)
     }
 
@@ -33,12 +31,6 @@ impl Folder {
             .args(arguments)
             .output()
             .unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
@@ -739,7 +731,7 @@ analysis run = transient(Crank(), duration: 0.6 s, sample: 5 ms)
 /// Asks after every step for the cause of its length, and stops after some.
 struct Asked {
     steps: u64,
-    causes: Vec<eng::Pace>,
+    causes: Vec<eng::StepLimit>,
 }
 
 impl eng::Watch for Asked {
@@ -751,9 +743,9 @@ impl eng::Watch for Asked {
         }
     }
 
-    fn paced(&mut self, slow: &eng::Slow) {
+    fn short_steps(&mut self, slow: &eng::Slow) {
         assert!(slow.step > 0.0, "{slow}");
-        self.causes.push((*slow.pace).clone());
+        self.causes.push((*slow.limit).clone());
     }
 }
 
@@ -771,7 +763,7 @@ fn every_step_at_a_jump_names_it() {
     };
     let _ = analysis.run_watched(&mut asked);
     // before the body meets the jump for the first time, errors limit the steps
-    let met = |cause: &eng::Pace| matches!(cause, eng::Pace::Jump(_));
+    let met = |cause: &eng::StepLimit| matches!(cause, eng::StepLimit::Jump(_));
     let first = asked.causes.iter().position(met).unwrap();
     assert!(first < 100, "{first}");
     assert!(asked.causes.len() > 20_000);

@@ -1,9 +1,10 @@
 //! The command on small models, run inside of this process: its prints, its files and its exit
 //! codes.
 
+use crate::support::Temporary;
 use eng::cli::{Console, run_on};
 use eng::results::Results;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A shaft in one journal, turned at a speed, at two of them.
 const ROTOR: &str = "
@@ -51,14 +52,11 @@ analysis two[l in [0.3, 0.4] m] = transient(Swing(length: l), duration: 100 ms, 
 ";
 
 /// A folder of its own with a model, removed afterwards.
-struct Folder(PathBuf);
+struct Folder(Temporary);
 
 impl Folder {
     fn new(name: &str, model: &str) -> Folder {
-        let folder =
-            std::env::temp_dir().join(format!("eng-command-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = Temporary::new(&format!("command-{name}"));
         std::fs::write(folder.join("model.eng"), model).unwrap();
         Folder(folder)
     }
@@ -100,12 +98,6 @@ impl Folder {
                 .replace(&self.path("out"), "OUT")
         };
         (code, text(output), text(errors))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -2,16 +2,10 @@
 //! again; where the demanded velocity or position jumps, the run is refused by name. All motions are compared
 //! with closed forms.
 
-use eng::{Outcome, Program, Sources};
+use crate::support::{program, refused};
+use eng::Outcome;
 
 const SAMPLES: [&str; 5] = ["0.3 ms", "2 ms", "7 ms", "50 ms", "0.2 s"];
-
-fn program(text: &str) -> Program {
-    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
 
 /// A block of 2 kg on a rail, held along `way` of the time. It draws a block of 1 kg on a spring of 1 kN/m.
 fn drawn(way: &str, more: &str, settings: &str) -> String {
@@ -44,15 +38,6 @@ fn ran(text: &str) -> Outcome {
     let analysis = program.analysis("run").expect("an analysis");
     let outcome = analysis.run(&mut |_| {});
     outcome.unwrap_or_else(|failed| panic!("{}\n{text}", failed.error))
-}
-
-fn refused(text: &str) -> String {
-    let program = program(text);
-    let analysis = program.analysis("run").expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(_) => panic!("the run is not refused:\n{text}"),
-        Err(failed) => failed.error.to_string(),
-    }
 }
 
 fn column<'a>(outcome: &'a Outcome, path: &str) -> &'a [f64] {
@@ -252,7 +237,7 @@ fn a_demanded_velocity_must_not_jump() {
         let settings = SAMPLES.map(|sample| format!("duration: 0.2 s, sample: {sample}"));
         let fixed = "duration: 0.2 s, sample: 10 ms, step: 0.7 ms".to_owned();
         for settings in settings.into_iter().chain([fixed]) {
-            let message = refused(&drawn(way, tables, &settings));
+            let message = refused(&program(&drawn(way, tables, &settings)), "run");
             for part in told.iter().chain(&["E0774", "along"]) {
                 assert!(
                     message.contains(part),
@@ -280,7 +265,7 @@ fn a_demanded_velocity_must_not_jump() {
         let settings = SAMPLES.map(|sample| format!("duration: 0.2 s, sample: {sample}"));
         let fixed = "duration: 0.2 s, sample: 10 ms, step: 0.7 ms".to_owned();
         for settings in settings.into_iter().chain([fixed]) {
-            let message = refused(&guided(lift, profile, &settings));
+            let message = refused(&program(&guided(lift, profile, &settings)), "run");
             for part in told.iter().chain(&["E0774", "guide"]) {
                 assert!(
                     message.contains(part),

@@ -1,30 +1,10 @@
 //! `static` analyses: equilibria against closed forms and against the motion that has settled; models without
 //! one are refused.
 
-use eng::{Failed, Outcome, Program, Sources, StartReport};
+use crate::support::{outcome as run, program, program_of, slender_beam};
+use eng::{Failed, Outcome, Sources, StartReport};
 use eng_runtime::start::Equilibrium;
 use std::fmt::Write;
-
-fn program_of(texts: &[(&str, String)]) -> Program {
-    let texts = texts
-        .iter()
-        .map(|(name, text)| ((*name).to_owned(), text.clone()));
-    eng::check(&Sources::from_texts(texts), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
-}
-
-fn program(text: &str) -> Program {
-    program_of(&[("m.eng", text.to_owned())])
-}
-
-fn run(program: &Program, analysis: &str) -> Outcome {
-    program
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
-}
 
 /// The last value of a channel (SI).
 fn value(outcome: &Outcome, path: &str) -> f64 {
@@ -137,21 +117,6 @@ const YOUNG: f64 = 210e9;
 const DENSITY: f64 = 7850.0;
 const SIDE: f64 = 0.01;
 
-fn slender_beam() -> String {
-    let moment = SIDE.powi(4) / 12.0;
-    let mut deck = format!(
-        "BEGIN BULK\nMAT1,1,{YOUNG:e},,0.3,{DENSITY:e}\nPBAR,1,1,{:e},{moment:e},{moment:e},{:e}\nGRID,1,,0.,0.,0.\n",
-        SIDE * SIDE,
-        1.69 * moment
-    );
-    for piece in 1..=20 {
-        let x = f64::from(piece) / 20.0;
-        writeln!(deck, "GRID,{},,{x:.6},0.,0.", piece + 1).expect("a line");
-        writeln!(deck, "CBAR,{piece},1,{piece},{},0.,0.,1.", piece + 1).expect("a line");
-    }
-    deck + "ENDDATA\n"
-}
-
 /// A cantilever bends by q L⁴/(8EI) under its own weight and by F L³/(3EI) under a force at its tip; the wall
 /// carries both.
 #[test]
@@ -177,7 +142,8 @@ fn a_cantilever_bends_under_its_weight() {
         analysis own = static(Held())
         analysis pushed = static(Held(load: 2 N, weight: 0 m/s^2))
         analysis settle = transient(Held(), duration: 12 s, sample: 1 s, start: assembled)";
-    let program = program_of(&[("m.eng", text.to_owned()), ("m.bdf", slender_beam())]);
+    let deck = slender_beam(SIDE, YOUNG, DENSITY);
+    let program = program_of(&[("m.eng", text), ("m.bdf", &deck)]);
     let bending = YOUNG * SIDE.powi(4) / 12.0;
     let weight = DENSITY * SIDE * SIDE * GRAVITY;
     let own = run(&program, "own");

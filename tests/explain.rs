@@ -261,7 +261,7 @@ fn a_part_of_a_model_is_explained() {
             "bob",
             "bob: a rigid body with six freedoms, stated at swing.eng:6\n  mass 1.2 kg",
         ),
-        ("bob", "bob.top      0  400   0  pin, spring"),
+        ("bob", "bob.top      0  400   0  pin and spring"),
         ("bob.top", "at [0, 400, 0] mm of its body"),
         (
             "bob.origin",

@@ -1,5 +1,6 @@
 //! `eng new` writes models that check, run and agree with closed forms; files for shells and `man` name all commands.
 
+use crate::support::column;
 use eng::Results;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
@@ -53,10 +54,6 @@ impl Folder {
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
-}
-
-fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    &results.column(path).expect(path).values
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -1,6 +1,7 @@
 //! Flexible bodies from text to motion: a steel bar of 20 x 20 x 200 mm against beam theory and statics.
 
-use eng::{Program, Quantity, Sources};
+use crate::support::{program_of, program_with_bar as program};
+use eng::{Quantity, Sources};
 use std::f64::consts::PI;
 
 // Material and shape of the bar, SI.
@@ -16,18 +17,6 @@ fn area() -> f64 {
 
 fn second_moment() -> f64 {
     SIDE.powi(4) / 12.0
-}
-
-fn program(text: &str) -> Program {
-    let deck = include_str!("mesh/bar.bdf");
-    let sources = Sources::from_texts([
-        ("bar.eng".to_owned(), text.to_owned()),
-        ("bar.bdf".to_owned(), deck.to_owned()),
-    ]);
-    match eng::check(&sources, "bar.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
 }
 
 const FREE: &str = "
@@ -147,19 +136,13 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
             "modes = normal(7)",
             &format!("stiffness = op4(\"k.op4\", matrix: \"KGG\"{arguments}); mass = op4(\"m.op4\", matrix: \"MGG\"); modes = normal(7)"),
         );
-        let sources = Sources::from_texts([
-            ("bar.eng".to_owned(), text),
-            (
-                "bar.bdf".to_owned(),
-                include_str!("mesh/bar.bdf").to_owned(),
-            ),
-            ("k.op4".to_owned(), op4("KGG", &full.stiffness)),
-            ("m.op4".to_owned(), op4("MGG", &mass)),
-        ]);
-        eng::check(&sources, "bar.eng")
-            .into_program()
-            .unwrap_or_else(|report| panic!("{report}"))
-            .model("Free")
+        program_of(&[
+            ("bar.eng", &text),
+            ("bar.bdf", include_str!("mesh/bar.bdf")),
+            ("k.op4", &op4("KGG", &full.stiffness)),
+            ("m.op4", &op4("MGG", &mass)),
+        ])
+        .model("Free")
     };
     let own = program(FREE).model("Free").expect("a model");
     let read = check(", per_node: 3").expect("a model of the read matrices");
@@ -268,12 +251,7 @@ fn supports_hold_their_nodes() {
         let text = HELD
             .replace("support = foot", &format!("support = {support}"))
             .replace(", tie: rigid", tie);
-        let sources =
-            Sources::from_texts([("bar.eng".to_owned(), text), ("bar.bdf".to_owned(), deck)]);
-        let program = match eng::check(&sources, "bar.eng").into_program() {
-            Ok(program) => program,
-            Err(report) => panic!("{report}"),
-        };
+        let program = program_of(&[("bar.eng", &text), ("bar.bdf", &deck)]);
         let model = program.model("Held").expect("a model");
         model.reductions()[0].frequencies().to_vec()
     };

@@ -2,7 +2,8 @@
 //! the multibody model, against the published equations, whose integration here is held to the published
 //! figures.
 
-use eng::{Program, Results, Sources};
+use crate::support::{outcome, program_of};
+use eng::Results;
 use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 use serde_json::Value;
 use std::f64::consts::PI;
@@ -354,18 +355,8 @@ fn text(m: &Mechanism, stiffened: bool) -> String {
 
 /// The rod's places every millisecond, read from its markers.
 fn run(m: &Mechanism, stiffened: bool) -> Vec<Place> {
-    let sources = Sources::from_texts([
-        ("m.eng".to_owned(), text(m, stiffened)),
-        ("m.bdf".to_owned(), deck(m)),
-    ]);
-    let program: Program = eng::check(&sources, "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"));
-    let outcome = program
-        .analysis("turn")
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error));
+    let program = program_of(&[("m.eng", &text(m, stiffened)), ("m.bdf", &deck(m))]);
+    let outcome = outcome(&program, "turn");
     let energy = outcome.summary.expect("a summary").energy;
     println!("energy: {:e} of {:e} J", energy.imbalance(), energy.kinetic);
     let results: Results = outcome.results;

@@ -1,32 +1,18 @@
 //! Flexible bodies through the language: a rotating beam of the literature, objectivity, the rigid limit.
 
-use eng::{Program, Results, Sources};
+use crate::support::{column, outcome, program_of, slender_beam};
+use eng::{Program, Results};
 use eng_report::signal::{Sampling, Signal, SpectrumOptions, spectrum};
 use nalgebra::{Rotation3, Vector3};
 use serde_json::Value;
 use std::fmt::Write;
 
 fn program(text: String, deck: String) -> Program {
-    let sources = Sources::from_texts([("m.eng".to_owned(), text), ("m.bdf".to_owned(), deck)]);
-    eng::check(&sources, "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
+    program_of(&[("m.eng", &text), ("m.bdf", &deck)])
 }
 
 fn run(program: &Program, analysis: &str) -> Results {
-    program
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
-        .results
-}
-
-fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    &results
-        .column(path)
-        .unwrap_or_else(|| panic!("no column {path}"))
-        .values
+    outcome(program, analysis).results
 }
 
 fn reference() -> Value {
@@ -162,22 +148,6 @@ const YOUNG: f64 = 70e9;
 const DENSITY: f64 = 2700.0;
 const SIDE: f64 = 0.01;
 
-fn slender_beam() -> String {
-    let pieces = 20;
-    let moment = SIDE.powi(4) / 12.0;
-    let mut deck = format!(
-        "BEGIN BULK\nMAT1,1,{YOUNG:e},,0.3,{DENSITY:e}\nPBAR,1,1,{:e},{moment:e},{moment:e},{:e}\nGRID,1,,0.,0.,0.\n",
-        SIDE * SIDE,
-        1.69 * moment
-    );
-    for piece in 1..=pieces {
-        let x = f64::from(piece) / f64::from(pieces);
-        writeln!(deck, "GRID,{},,{x:.6},0.,0.", piece + 1).expect("a line");
-        writeln!(deck, "CBAR,{piece},1,{piece},{},0.,0.,1.", piece + 1).expect("a line");
-    }
-    deck + "ENDDATA\n"
-}
-
 /// √(E I/(ρ A L⁴)) of the slender beam (rad/s).
 fn unit_frequency() -> f64 {
     (YOUNG / DENSITY / 12.0).sqrt() * SIDE
@@ -203,7 +173,7 @@ fn a_clamped_beam_stiffens_with_its_spin() {
                 "duration: 24 s, sample: 8 ms, step: 2 ms",
                 "duration: 6 s, sample: 4 ms, step: 0.5 ms",
             );
-        let results = run(&program(text, slender_beam()), "ring");
+        let results = run(&program(text, slender_beam(SIDE, YOUNG, DENSITY)), "ring");
         let in_plane = (wright * wright - spin * spin).sqrt();
         for (path, wanted) in [("flap", wright), ("across", in_plane)] {
             let wanted = wanted * unit / std::f64::consts::TAU;
@@ -242,7 +212,7 @@ fn a_pressed_cantilever_bends_more_and_a_bent_one_is_shorter() {
              }}
              analysis settle = transient(Held(), duration: 2 s, sample: 0.1 s, step: 1 ms, start: assembled)"
         );
-        let results = run(&program(text, slender_beam()), "settle");
+        let results = run(&program(text, slender_beam(SIDE, YOUNG, DENSITY)), "settle");
         ["across", "along"].map(|path| *column(&results, path).last().expect("a sample"))
     };
     let bending = YOUNG * SIDE.powi(4) / 12.0;

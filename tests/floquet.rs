@@ -1,41 +1,12 @@
 //! Modes of motions that repeat, by Floquet's multipliers, against closed forms.
 
-use eng::{Coefficients, LinearModes, Mode, Outcome, Program, Sources};
+use crate::support::{decay, outcome, program_with_bar as program, refused};
+use eng::{Coefficients, LinearModes, Mode, Program};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
 
-fn program(text: &str) -> Program {
-    let sources = Sources::from_texts([
-        ("model.eng".to_owned(), text.to_owned()),
-        (
-            "bar.bdf".to_owned(),
-            include_str!("mesh/bar.bdf").to_owned(),
-        ),
-    ]);
-    match eng::check(&sources, "model.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
-
-fn outcome(program: &Program, analysis: &str) -> Outcome {
-    let analysis = program.analysis(analysis).expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(outcome) => outcome,
-        Err(failed) => panic!("{}", failed.error),
-    }
-}
-
 fn modes(program: &Program, analysis: &str) -> LinearModes {
     outcome(program, analysis).modes.expect("modes")
-}
-
-fn refused(program: &Program, analysis: &str) -> String {
-    let analysis = program.analysis(analysis).expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(outcome) => panic!("not refused: {:?}", outcome.modes),
-        Err(failed) => failed.error.to_string(),
-    }
 }
 
 #[track_caller]
@@ -410,21 +381,6 @@ fn a_pendulum_on_a_cone() {
     assert!(found.orbit.expect("an orbit").phase.expect("a phase") < 1e-4);
 }
 
-/// λ such that a sampled decay repeats `y(k+2) = s y(k+1) − p y(k)` best: `z² = s z − p`, `λ = ln z/h`.
-fn decay(values: &[f64], h: f64) -> Complex<f64> {
-    let mut normal = [0.0; 5];
-    for w in values.windows(3) {
-        let (a, b, y) = (w[1], -w[0], w[2]);
-        for (sum, x) in normal.iter_mut().zip([a * a, a * b, b * b, a * y, b * y]) {
-            *sum += x;
-        }
-    }
-    let [aa, ab, bb, ay, by] = normal;
-    let det = aa * bb - ab * ab;
-    let (s, p) = ((ay * bb - by * ab) / det, (aa * by - ab * ay) / det);
-    Complex::new(0.5 * p.ln() / h, (0.5 * s / p.sqrt()).acos() / h)
-}
-
 /// A square bar in two short bearings, which bends in axes that turn with it. `push` is a bump of a force at
 /// both ends, across the load. `brake` holds both ends until 5 ms.
 const FLEXIBLE: &str = "
@@ -529,7 +485,8 @@ fn whirl(program: &Program, analysis: &str, from: usize, h: f64) -> Complex<f64>
     for count in [4, 3, 3, 4] {
         swing = swing.windows(count).map(|w| w.iter().sum()).collect();
     }
-    decay(&swing, h)
+    let (re, im) = decay(&swing, h);
+    Complex::new(re, im)
 }
 
 /// The speed at which oil whirl of a flexible rotor begins, by bisection from multipliers, is the speed at which

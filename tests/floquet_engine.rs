@@ -1,30 +1,15 @@
 //! Modes of engines over a cycle, by Floquet's multipliers, against the decay of their transients.
 
-use eng::{Coefficients, LinearModes, Mode, Outcome, Program, Sources};
+use crate::support::{outcome, program_of, recurrence};
+use eng::{Coefficients, LinearModes, Mode, Program};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 fn program(analyses: &str) -> Program {
     let text = include_str!("../examples/inline4/inline4.eng");
-    let sources = Sources::from_texts([
-        ("inline4.eng".to_owned(), format!("{text}\n{analyses}")),
-        (
-            "pressure.csv".to_owned(),
-            include_str!("../examples/inline4/pressure.csv").to_owned(),
-        ),
-    ]);
-    match eng::check(&sources, "inline4.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
-
-fn outcome(program: &Program, analysis: &str) -> Outcome {
-    let analysis = program.analysis(analysis).expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(outcome) => outcome,
-        Err(failed) => panic!("{}", failed.error),
-    }
+    let pressure = include_str!("../examples/inline4/pressure.csv");
+    let text = format!("{text}\n{analyses}");
+    program_of(&[("inline4.eng", &text), ("pressure.csv", pressure)])
 }
 
 fn modes(program: &Program, analysis: &str) -> LinearModes {
@@ -35,16 +20,7 @@ fn modes(program: &Program, analysis: &str) -> LinearModes {
 /// in the films have decayed after a cycle.
 fn multiplier(values: &[f64]) -> Complex<f64> {
     let swing: Vec<f64> = values.windows(2).map(|w| w[1] - w[0]).collect();
-    let mut normal = [0.0; 5];
-    for w in swing.windows(3) {
-        let (a, b, y) = (w[1], -w[0], w[2]);
-        for (sum, x) in normal.iter_mut().zip([a * a, a * b, b * b, a * y, b * y]) {
-            *sum += x;
-        }
-    }
-    let [aa, ab, bb, ay, by] = normal;
-    let det = aa * bb - ab * ab;
-    let (s, p) = ((ay * bb - by * ab) / det, (aa * by - ab * ay) / det);
+    let (s, p) = recurrence(&swing);
     Complex::new(0.5 * s, (p - 0.25 * s * s).sqrt())
 }
 

@@ -1,32 +1,12 @@
 //! Vectors that elements put out: in any expression they are vectors in space. Checked with the recorded
 //! components and the recorded axes of the frames, by matrix arithmetic of its own, and with closed forms.
 
-use eng::{Program, Results, Sources};
+use crate::support::{outcome, program_with_bar};
+use eng::Results;
 use std::f64::consts::TAU;
 
-fn program(text: &str) -> Program {
-    let sources = Sources::from_texts([
-        ("model.eng".to_owned(), text.to_owned()),
-        (
-            "bar.bdf".to_owned(),
-            include_str!("mesh/bar.bdf").to_owned(),
-        ),
-    ]);
-    match eng::check(&sources, "model.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
-
 fn results(text: &str, analysis: &str) -> Results {
-    let outcome = program(text)
-        .analysis(analysis)
-        .expect("an analysis")
-        .run(&mut |_| {});
-    match outcome {
-        Ok(outcome) => outcome.results,
-        Err(failed) => panic!("{}", failed.error),
-    }
+    outcome(&program_with_bar(text), analysis).results
 }
 
 fn column(results: &Results, path: &str) -> Vec<f64> {

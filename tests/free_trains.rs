@@ -1,25 +1,13 @@
 //! Free motions with states of elements: their zeros, responses by the dynamic stiffness, and slow growth.
 
-use eng::{Error, Program, RuntimeError, Sources};
+use crate::support::{outcome, program};
+use eng::{Error, RuntimeError};
 use eng_runtime::LinearModes;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-fn program(text: &str) -> Program {
-    let sources = Sources::from_texts([("model.eng".to_owned(), text.to_owned())]);
-    match eng::check(&sources, "model.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
-
 fn modes(text: &str) -> LinearModes {
-    let program = program(text);
-    let analysis = program.analysis("small").expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(outcome) => outcome.modes.expect("modes"),
-        Err(failed) => panic!("{}", failed.error),
-    }
+    outcome(&program(text), "small").modes.expect("modes")
 }
 
 fn assert_near(found: f64, due: f64, share: f64) {

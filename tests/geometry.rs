@@ -1,13 +1,8 @@
 //! First positions of bodies, and the range of motion that their geometry allows, against closed forms.
 
-use eng::{Program, Sources, Start};
+use crate::support::program;
+use eng::{Sources, Start};
 use std::path::Path;
-
-fn program(text: &str) -> Program {
-    eng::check(&Sources::from_text("model.eng", text), "model.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
-}
 
 /// A crank on two films, a rod on films at both ends, a piston in its bore; nothing is stated but the crank's angle.
 fn engine(crank: &str, analyses: &str) -> String {

@@ -2,15 +2,9 @@
 //!
 //! The differences run with fixed steps and are extrapolated (Richardson): `(4 D(ε) − D(2ε))/3` with `D` central.
 
-use eng::{Analysis, Gradient, Outcome, Program, Quantity, Results, Sources, StepControl};
+use crate::support::{program, program_of};
+use eng::{Analysis, Gradient, Outcome, Program, Quantity, Results, StepControl};
 use std::path::Path;
-
-pub(crate) fn program(text: &str) -> Program {
-    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
 
 pub(crate) fn analysis(program: &Program, name: &str) -> Analysis {
     match program.analysis(name) {
@@ -330,14 +324,7 @@ analysis turns = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: assem
 analysis rests = transient(Rotor(), duration: 4 ms, sample: 0.2 ms, start: quasi_static)
 "
         );
-        let sources = Sources::from_texts([
-            ("m.eng".to_owned(), text),
-            ("shaft.bdf".to_owned(), shaft()),
-        ]);
-        let program = match eng::check(&sources, "m.eng").into_program() {
-            Ok(program) => program,
-            Err(report) => panic!("{report}"),
-        };
+        let program = program_of(&[("m.eng", &text), ("shaft.bdf", &shaft())]);
         let plain = analysis(&program, "turns").stepping(exact(2e-5));
         let cases = [
             ("speed", 2e-2),
@@ -421,14 +408,7 @@ model Bar {
 }
 analysis rests = transient(Bar(), duration: 2 ms, sample: 1 ms, start: quasi_static)
 ";
-    let sources = Sources::from_texts([
-        ("m.eng".to_owned(), text.to_owned()),
-        ("shaft.bdf".to_owned(), shaft()),
-    ]);
-    let program = match eng::check(&sources, "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    };
+    let program = program_of(&[("m.eng", text), ("shaft.bdf", &shaft())]);
     let outcome = run(&analysis(&program, "rests")
         .gradients(&["spring", "slack"])
         .unwrap());
@@ -590,17 +570,8 @@ fn engine(analysis: &str) -> Program {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/inline4");
         std::fs::read_to_string(folder.join(name)).unwrap()
     };
-    let sources = Sources::from_texts([
-        (
-            "m.eng".to_owned(),
-            format!("{}\n{analysis}\n", read("by_hand.eng")),
-        ),
-        ("pressure.csv".to_owned(), read("pressure.csv")),
-    ]);
-    match eng::check(&sources, "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
+    let text = format!("{}\n{analysis}\n", read("by_hand.eng"));
+    program_of(&[("m.eng", &text), ("pressure.csv", &read("pressure.csv"))])
 }
 
 /// The fired engine with its films, from its balance on through the firing of cylinder 1.

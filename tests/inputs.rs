@@ -1,7 +1,8 @@
 //! Inputs: numbers that a program or a function of time sets while a model runs. The motions are compared
 //! with closed forms of an oscillator whose force is a polynomial of third order between two points.
 
-use eng::{Error, Model, Point, Program, Quantity, Simulation, Sources};
+use crate::support::program;
+use eng::{Error, Model, Point, Quantity, Simulation};
 
 const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 50.0;
@@ -33,13 +34,6 @@ analysis ramped = transient(Oscillator(load: ramp), duration: 2 s, sample: 0.1 s
 analysis waved = transient(Oscillator(load: wave), duration: 2 s, sample: 0.1 s, tolerance: 1e-3)
 "
     )
-}
-
-fn program(text: &str) -> Program {
-    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
 }
 
 fn model(interpolation: &str) -> Model {

@@ -1,13 +1,7 @@
 //! Numbers of models whose classes share texts, lengths and values: the text of an interface holds in each
 //! class.
 
-use eng::{Program, Sources};
-
-fn program(text: &str) -> Program {
-    eng::check(&Sources::from_text("m.eng", text), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
-}
+use crate::support::program;
 
 /// The first values of columns of the analysis `r`.
 fn first<'a>(text: &str, columns: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {

@@ -1,6 +1,7 @@
 //! Runs that are killed, stopped by the disk, or damaged: their samples are readable, and
 //! `--resume` gives the same bits.
 
+use crate::support::Temporary;
 use eng::results::Results;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -26,14 +27,11 @@ analysis swing = transient(Swing(), duration: DURATION, sample: 1 ms)
 analysis short = transient(Swing(), duration: 20 ms, sample: 1 ms)
 ";
 
-struct Place(PathBuf);
+struct Place(Temporary);
 
 impl Place {
     fn new(name: &str, duration: &str) -> Place {
-        let folder =
-            std::env::temp_dir().join(format!("eng-interrupted-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = Temporary::new(&format!("interrupted-{name}"));
         std::fs::write(
             folder.join("swing.eng"),
             MODEL.replace("DURATION", duration),
@@ -72,12 +70,6 @@ impl Place {
             .collect();
         names.sort();
         names
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -1,16 +1,9 @@
 //! Linearised motions about states at kinks: modes by closed forms, or a refusal.
 
-use eng::{Error, Program, RuntimeError, Sources};
+use crate::support::program;
+use eng::{Error, RuntimeError};
 use eng_runtime::LinearModes;
 use std::f64::consts::TAU;
-
-fn program(text: &str) -> Program {
-    let sources = Sources::from_texts([("model.eng".to_owned(), text.to_owned())]);
-    match eng::check(&sources, "model.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
 
 fn modes(text: &str) -> Result<LinearModes, RuntimeError> {
     let program = program(text);

@@ -1,17 +1,11 @@
 //! Stops, backlash and valves: steps under error control end where a load bends, at any distance of samples.
 //! The motions are compared with those of another integrator, which locates the same places as events.
 
-use eng::{Model, Program, Simulation, Sources};
+use crate::support::program;
+use eng::{Model, Program, Simulation};
 use serde_json::Value;
 
 const CONTACTS: &str = include_str!("benchmarks/contacts.eng");
-
-fn program(text: &str) -> Program {
-    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
 
 fn model(name: &str) -> Model {
     let program = program(CONTACTS);

@@ -1,8 +1,8 @@
 //! `eng lsp` as an editor drives it: the real command, over its standard input and output.
 
+use crate::support::Temporary;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -31,7 +31,7 @@ struct Editor {
     child: Child,
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
-    folder: PathBuf,
+    folder: Temporary,
     next: i64,
     /// Messages that came while an answer was due.
     told: Vec<Value>,
@@ -39,10 +39,8 @@ struct Editor {
 
 impl Editor {
     fn start(name: &str) -> Editor {
-        let folder = std::env::temp_dir().join(format!("eng-lsp-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).expect("a folder");
-        let folder = folder.canonicalize().expect("a folder");
+        let mut folder = Temporary::new(&format!("lsp-{name}"));
+        folder.0 = folder.canonicalize().expect("a folder");
         let mut child = Command::new(env!("CARGO_BIN_EXE_eng"))
             .arg("lsp")
             .env("ENG_CACHE", folder.join("cache"))
@@ -204,7 +202,6 @@ impl Drop for Editor {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-        let _ = std::fs::remove_dir_all(&self.folder);
     }
 }
 

@@ -1,19 +1,13 @@
 //! What the tests of the library's laws share: runs of texts, integrals, an independent integrator, roots.
 
+pub use crate::support::column;
+use crate::support::{self, program};
 use eng::results::Results;
 use eng::{Outcome, Sources};
 
 /// The outcome of an analysis of a text.
 pub fn outcome(text: &str, analysis: &str) -> Outcome {
-    let program = eng::check(&Sources::from_text("m.eng", text), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"));
-    let analysis = program
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"));
-    analysis
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
+    support::outcome(&program(text), analysis)
 }
 
 /// Results of an analysis of a text.
@@ -35,12 +29,6 @@ pub fn refusal(text: &str, analysis: &str) -> String {
         Ok(_) => panic!("accepted:\n{text}"),
         Err(failed) => failed.error.to_string(),
     }
-}
-
-/// A column in SI units.
-pub fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    let column = results.column(path);
-    &column.unwrap_or_else(|| panic!("no column {path}")).values
 }
 
 pub fn last(results: &Results, path: &str) -> f64 {

@@ -1,22 +1,9 @@
 //! Linear analyses against closed forms, published bearing coefficients, and the decay of the same models in time.
 
-use eng::{Coefficients, LinearModes, Outcome, Program, Quantity, Sources};
+use crate::support::{decay, program_with_bar as program, refused};
+use eng::{Coefficients, LinearModes, Outcome, Program, Quantity};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::{PI, TAU};
-
-fn program(text: &str) -> Program {
-    let sources = Sources::from_texts([
-        ("model.eng".to_owned(), text.to_owned()),
-        (
-            "bar.bdf".to_owned(),
-            include_str!("mesh/bar.bdf").to_owned(),
-        ),
-    ]);
-    match eng::check(&sources, "model.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
 
 fn run(program: &Program, analysis: &str, settings: &[(&str, &str)]) -> Outcome {
     let mut analysis = program.analysis(analysis).expect("an analysis");
@@ -346,21 +333,6 @@ const DISCS: &str = "
     }
     analysis modes = linear(Discs(), start: assembled)
     analysis decay = transient(Discs(), duration: 60 ms, sample: 0.05 ms, start: assembled, tolerance: 1e-3)";
-
-/// λ such that a sampled decay repeats `y(k+2) = s y(k+1) − p y(k)` best: `z² = s z − p`, `λ = ln z/h`.
-fn decay(values: &[f64], h: f64) -> (f64, f64) {
-    let mut normal = [0.0; 5];
-    for w in values.windows(3) {
-        let (a, b, y) = (w[1], -w[0], w[2]);
-        for (sum, x) in normal.iter_mut().zip([a * a, a * b, b * b, a * y, b * y]) {
-            *sum += x;
-        }
-    }
-    let [aa, ab, bb, ay, by] = normal;
-    let det = aa * bb - ab * ab;
-    let (s, p) = ((ay * bb - by * ab) / det, (aa * by - ab * ay) / det);
-    (0.5 * p.ln() / h, (0.5 * s / p.sqrt()).acos() / h)
-}
 
 #[test]
 fn a_flywheel_on_its_coupling_and_its_decay_in_time() {
@@ -750,14 +722,6 @@ fn a_free_angle_is_a_zero_and_no_growth() {
     near(found.modes[4].value.re, -oil / 0.3, 1e-4);
 }
 
-fn refused(program: &Program, analysis: &str) -> String {
-    let analysis = program.analysis(analysis).expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(outcome) => panic!("not refused: {:?}", outcome.modes),
-        Err(failed) => failed.error.to_string(),
-    }
-}
-
 /// Stiffness, pivots and loads that change with time alone. A load or a motion of the ground that only
 /// excites leaves the coefficients, and with them the modes, as they are.
 const TIMED: &str = "
@@ -1106,4 +1070,24 @@ fn matrices_of_an_analysis_are_those_of_a_simulation_and_a_file() {
     analysis.record(recording).run(&mut |_| {}).expect("modes");
     assert!(!file.exists());
     std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn a_simulation_has_the_modes_of_its_present_state() {
+    let program = program(SPRING);
+    let model = program.model("Mass").expect("a model");
+    let mut simulation = model.simulation().start().expect("a start");
+    let wanted = eng::Wanted {
+        frozen: true,
+        ..eng::Wanted::default()
+    };
+    let found = simulation.linear_modes(wanted).expect("modes");
+    assert_eq!((found.freedoms, found.modes.len()), (1, 1));
+    let (m, c, k) = (2.5_f64, 40.0_f64, 9000.0_f64);
+    near(found.modes[0].value.re, -c / (2.0 * m), 1e-12);
+    near(
+        found.modes[0].undamped_frequency(),
+        (k / m).sqrt() / TAU,
+        1e-12,
+    );
 }

@@ -1,19 +1,18 @@
 //! Lints: each message states its name, and a text accepts it at its element, in a part, or for the whole
 //! model.
 
+use crate::support::Temporary;
 use eng::assembled::Assembled;
 use eng::render::{Colors, human};
 use eng::report::Described;
 use eng::{Program, Sources};
-use std::path::PathBuf;
 
 /// A file of its own in a folder of its own, removed afterwards.
-struct Text(PathBuf);
+struct Text(Temporary);
 
 impl Text {
     fn new(name: &str, text: &str) -> Text {
-        let folder = std::env::temp_dir().join(format!("eng-lints-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
+        let folder = Temporary::new(&format!("lints-{name}"));
         std::fs::write(folder.join("model.eng"), text).expect("a file");
         Text(folder)
     }
@@ -33,12 +32,6 @@ impl Text {
         eng::check(&Sources::folder(&self.0).expect("a folder"), "model.eng")
             .into_program()
             .expect("a sound model")
-    }
-}
-
-impl Drop for Text {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -83,6 +83,7 @@ mod states;
 mod step_jacobian;
 mod stops;
 mod studies;
+mod support;
 mod thermal_films;
 mod turning_shafts;
 mod validation;

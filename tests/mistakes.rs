@@ -7,6 +7,7 @@
 //! that message in the model's own text is within three lines of the change. A missing item has no line of its own:
 //! then the line of the item that lacks it counts, too (`lacking:`).
 
+use crate::support::Temporary;
 use eng::Sources;
 use eng_grammar::{Diagnostic, SourceMap};
 use std::path::{Path, PathBuf};
@@ -129,14 +130,12 @@ fn lines(diagnostic: &Diagnostic, sources: &SourceMap, file: &str) -> Vec<usize>
 }
 
 /// A folder with a model and its files, removed afterwards.
-struct Bench(PathBuf);
+struct Bench(Temporary);
 
 impl Bench {
     fn new(base: &str) -> Bench {
         let name = base.replace(['/', '.'], "_");
-        let folder =
-            std::env::temp_dir().join(format!("eng-mistakes-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
+        let folder = Temporary::new(&format!("mistakes-{name}"));
         let beside = root().join(base);
         for entry in std::fs::read_dir(beside.parent().expect("a folder")).expect("a folder") {
             let path = entry.expect("an entry").path();
@@ -146,12 +145,6 @@ impl Bench {
             }
         }
         Bench(folder)
-    }
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -1,14 +1,8 @@
 //! Published mechanisms and a torsional chain, written as users write them, against the digits of their sources.
 
-use eng::{Model, Program, Sources};
+use crate::support::program;
+use eng::Model;
 use serde_json::Value;
-
-fn program(text: &str) -> Program {
-    match eng::check(&Sources::from_text("m.eng", text), "m.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
 
 fn model(text: &str, name: &str) -> Model {
     program(text)

@@ -1,6 +1,7 @@
 //! The paper's engine: its table 1 against the whole finite-element model. docs/validation.md has the numbers.
 
-use eng::{Program, Results, Sources};
+use crate::support::column;
+use eng::{Program, Sources};
 use eng_flexible::store::StoredBody;
 use eng_system::reduced::ReducedBody;
 use nalgebra::{DMatrix, DVector};
@@ -36,13 +37,6 @@ fn reference() -> Value {
 
 fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
-}
-
-fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    &results
-        .column(path)
-        .unwrap_or_else(|| panic!("no column {path}"))
-        .values
 }
 
 /// The one body that is kept and has these markers.

@@ -1,6 +1,7 @@
 //! The statements of the paper's figures, as numbers of the example's runs with the paper's own film law.
 //! docs/paper.md shows the figures.
 
+use crate::support::{column, outcome};
 use eng::{Outcome, Program, Results, Sources, StartReport};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -53,24 +54,13 @@ fn program() -> &'static Program {
 }
 
 fn run(analysis: &str) -> Outcome {
-    program()
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
+    outcome(program(), analysis)
 }
 
 /// The repeating cycle of the unfired engine, both ends among its samples.
 fn steady() -> &'static Outcome {
     static STEADY: OnceLock<Outcome> = OnceLock::new();
     STEADY.get_or_init(|| run("steady"))
-}
-
-fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    &results
-        .column(path)
-        .unwrap_or_else(|| panic!("no column {path}"))
-        .values
 }
 
 /// The last cycle in samples of 0.5 degrees, without its end.

@@ -1,7 +1,6 @@
 //! Reports of `periodic` on motions that shrink, grow, repeat except for errors of the steps, or never repeat.
 
-use eng::{Program, Sources};
-use std::path::PathBuf;
+use crate::support::{Temporary, program};
 use std::process::Command;
 
 /// A disc that counts cycles of 0.1 s, and beside it a block of 1 kg on a spring:
@@ -34,24 +33,15 @@ analysis steady = periodic(Beat(), start: assembled, sample: 10 deg{analysis})
     )
 }
 
-fn program(text: &str) -> Program {
-    eng::check(&Sources::from_text("m.eng", text), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
-}
-
 /// The output of the command for a text.
 fn told(name: &str, text: &str) -> String {
-    let folder: PathBuf =
-        std::env::temp_dir().join(format!("eng-decay-{name}-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
+    let folder = Temporary::new(&format!("decay-{name}"));
     std::fs::write(folder.join("m.eng"), text).expect("written");
     let output = Command::new(env!("CARGO_BIN_EXE_eng"))
         .args(["run", "m.eng", "--no-plots"])
         .current_dir(&folder)
         .output()
         .expect("eng runs");
-    let _ = std::fs::remove_dir_all(&folder);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     format!("{}{}", text(&output.stdout), text(&output.stderr))
 }

@@ -1,6 +1,7 @@
 //! Results of a periodic analysis state whether its cycle repeats, also if `--resume` finds it
 //! complete.
 
+use crate::support::Temporary;
 use eng::results::Results;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -20,14 +21,11 @@ model Spin {
 analysis sw[r in [1, 40] Hz] = periodic(Spin(rate: r), sample: 10 deg, cycles: 6, start: assembled)
 ";
 
-struct Place(PathBuf);
+struct Place(Temporary);
 
 impl Place {
     fn new(name: &str) -> Place {
-        let folder =
-            std::env::temp_dir().join(format!("eng-periodic-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).expect("a folder");
+        let folder = Temporary::new(&format!("periodic-{name}"));
         std::fs::write(folder.join("spin.eng"), MODEL).expect("written");
         Place(folder)
     }
@@ -44,12 +42,6 @@ impl Place {
             .arg(self.path("out"))
             .args(more);
         told(command.output().expect("eng runs"))
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

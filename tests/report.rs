@@ -538,3 +538,72 @@ fn results_that_are_missing_are_told() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("settle.parquet"));
 }
+
+/// A rotor on two short films, three revolutions at a speed.
+const EITHER_WAY: &str = "
+use std.joints.PointOnPlane
+use std.journals.Short
+use std.drives.PrescribedRotation
+model Rotor {
+    param speed: AngularVelocity = 100 rad/s
+    gravity = [-9.81, 0, 0] m/s^2
+    marker axis = [0, 0, 0] mm
+    marker seat[j in 1..2] = [0 mm, 0 mm, (j - 1.5)*300 mm]
+    body rotor {
+        mass = 20 kg
+        inertia = [300, 300, 40] g*m^2
+        marker mid = origin
+        marker neck[j in 1..2] = [0 mm, 0 mm, (j - 1.5)*300 mm]
+        start angular_velocity = [0, 0, 1]*speed
+    }
+    joint thrust = PointOnPlane(rotor.mid, axis)
+    drive turn = PrescribedRotation(rotor.mid, axis, speed: speed)
+    journal b[j in 1..2] = Short(pin: rotor.neck[j], shell: seat[j], diameter: 40 mm, width: 20 mm,
+        radial_clearance: 60 um, viscosity: 30 mPa*s)
+    cycle angle = rotation(rotor.mid, axis) { period = 360 deg }
+}
+analysis forwards = transient(Rotor(), duration: 3 rev, sample: 2 deg)
+analysis backwards = transient(Rotor(speed: -100 rad/s), duration: 3 rev, sample: 2 deg)
+report sense {
+    figure one = orbit(forwards.b[1])
+    figure other = orbit(backwards.b[1])
+}
+";
+
+/// Both senses of rotation have a last cycle, and its marks every 90°.
+#[test]
+fn the_orbit_of_a_shaft_that_turns_backwards_shows_its_last_cycle() {
+    use eng_report::figure::Figure;
+    let sources = eng::Sources::from_text("m.eng", EITHER_WAY);
+    let program = eng::check(&sources, "m.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"));
+    let ran = ["forwards", "backwards"].map(|name| {
+        let analysis = program.analysis(name).expect("an analysis");
+        let outcome = analysis.run(&mut |_| {}).expect("a run");
+        (outcome.results, analysis.machine().expect("its numbers"))
+    });
+    let runs = ran
+        .each_ref()
+        .map(|(results, machine)| eng::post::Run::new(results, machine));
+    let report = eng::post::evaluate(&program.reports()[0], &runs);
+    let drawn: Vec<(usize, String)> = report
+        .entries
+        .iter()
+        .map(|entry| match &entry.outcome {
+            Ok(eng::post::Outcome::Figure(figure)) => match &**figure {
+                Figure::Orbits(orbits) => (orbits.orbits[0].last_cycle, figure.to_svg()),
+                other => panic!("{other:?}"),
+            },
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    for (first, svg) in &drawn {
+        // 540 steps of 2° in three revolutions
+        assert!((360..=361).contains(first), "{first}");
+        assert!(svg.contains(">earlier<") && svg.contains(">last cycle<"));
+    }
+    // the same rings: both circles of the bearing, and the marks every 90°
+    let rings = |svg: &str| svg.matches("<circle").count();
+    assert_eq!(rings(&drawn[0].1), rings(&drawn[1].1));
+}

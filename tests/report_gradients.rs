@@ -1,6 +1,7 @@
 //! Derivatives of the values of reports, against central differences of the whole values.
 
-use crate::gradients::{analysis, differences, exact, program, run, value};
+use crate::gradients::{analysis, differences, exact, run, value};
+use crate::support::program;
 use eng::post::{EvaluatedReport, Outcome, PostError, Run, evaluate};
 use eng::{Analysis, Program};
 use eng_report::figure::Figure;

@@ -1,28 +1,13 @@
 //! Frequency responses against closed forms, the modes of the same model, and its motion in time.
 
+use crate::support::{column as values, outcome, program};
 use eng::post::{self, Run, evaluate};
-use eng::{Program, Results, RuntimeError, Sources};
+use eng::{Program, Results, RuntimeError};
 use eng_report::figure::Figure;
 use std::f64::consts::{PI, TAU};
 
-fn program(text: &str) -> Program {
-    let sources = Sources::from_texts([("model.eng".to_owned(), text.to_owned())]);
-    match eng::check(&sources, "model.eng").into_program() {
-        Ok(program) => program,
-        Err(report) => panic!("{report}"),
-    }
-}
-
 fn run(program: &Program, analysis: &str) -> Results {
-    let analysis = program.analysis(analysis).expect("an analysis");
-    match analysis.run(&mut |_| {}) {
-        Ok(outcome) => outcome.results,
-        Err(failed) => panic!("{}", failed.error),
-    }
-}
-
-fn values<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    &results.column(path).expect("a column").values
+    outcome(program, analysis).results
 }
 
 /// Two masses between a wall and a force, the second one behind a Maxwell element.

@@ -1,16 +1,15 @@
 //! The command on models of its own folder: files of failed runs, settings, folders, messages.
 
+use crate::support::Temporary;
 use eng::results::Results;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-struct Folder(PathBuf);
+struct Folder(Temporary);
 
 impl Folder {
     fn new(name: &str, model: &str) -> Folder {
-        let folder = std::env::temp_dir().join(format!("eng-run-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = Temporary::new(&format!("run-{name}"));
         std::fs::write(folder.join("model.eng"), model).unwrap();
         Folder(folder)
     }
@@ -34,12 +33,6 @@ impl Folder {
             .collect();
         names.sort();
         names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -1,13 +1,7 @@
 //! `solve`: values and derivatives against closed forms, and a constraint against the same mechanism without `solve`.
 
+use crate::support::{column, program};
 use eng::results::Results;
-use eng::{Program, Sources};
-
-fn program(text: &str) -> Program {
-    eng::check(&Sources::from_text("a.eng", text), "a.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
-}
 
 fn run(text: &str, analysis: &str) -> Result<Results, String> {
     let analysis = program(text)
@@ -17,11 +11,6 @@ fn run(text: &str, analysis: &str) -> Result<Results, String> {
     outcome
         .map(|outcome| outcome.results)
         .map_err(|failed| failed.error.to_string())
-}
-
-fn column<'a>(results: &'a Results, path: &str) -> &'a [f64] {
-    let column = results.column(path);
-    &column.unwrap_or_else(|| panic!("no {path}")).values
 }
 
 /// Kepler's equation E − e sin E = M at a mean anomaly M that grows evenly: E' = n/(1 − e cos E) and

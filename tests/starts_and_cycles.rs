@@ -1,5 +1,6 @@
 //! The quasi-static start, periodic analyses and sweeps on whole models.
 
+use crate::support::outcome as run;
 use eng::run::{Event, run_many};
 use eng::{Analysis, Outcome, Program, Sources, StartReport};
 use std::num::NonZeroUsize;
@@ -10,14 +11,6 @@ fn program(sources: Sources, file: &str) -> Program {
     eng::check(&sources, file)
         .into_program()
         .unwrap_or_else(|report| panic!("{report}"))
-}
-
-fn run(program: &Program, analysis: &str) -> Outcome {
-    program
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
 }
 
 /// The example engine with other analyses.

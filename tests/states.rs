@@ -1,6 +1,6 @@
 //! States of elements that are zero at first and change later: their scale, and the messages about a missing one.
 
-use eng::{Program, Sources};
+use crate::support::program;
 
 /// A pendulum with a state beside it. `state` is the state's line, `rate` its rate.
 fn text(parameter: &str, state: &str, rate: &str) -> String {
@@ -24,12 +24,6 @@ model Swing {{
 analysis swing = transient(Swing(), duration: 0.2 s, sample: 1 ms)
 "
     )
-}
-
-fn program(text: &str) -> Program {
-    eng::check(&Sources::from_text("m.eng", text), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
 }
 
 /// The message of a run that fails.

@@ -1,5 +1,6 @@
 //! Runs that end at a condition: the moment is that of closed forms, at any distance of samples, and each result tells it.
 
+use crate::support::{outcome, program as checked};
 use eng::{Outcome, Program, Sources};
 use std::f64::consts::PI;
 
@@ -45,17 +46,11 @@ force Pull(a: Marker, b: Marker) {
 ";
 
 fn program(analysis: &str) -> Program {
-    let text = format!("{MODELS}\n{analysis}");
-    eng::check(&Sources::from_text("m.eng", &text), "m.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
+    checked(&format!("{MODELS}\n{analysis}"))
 }
 
 fn run(analysis: &str) -> Outcome {
-    let program = program(&format!("analysis run = {analysis}"));
-    let analysis = program.analysis("run").expect("an analysis");
-    let ran = analysis.run(&mut |_| {});
-    ran.unwrap_or_else(|failed| panic!("{}", failed.error))
+    outcome(&program(&format!("analysis run = {analysis}")), "run")
 }
 
 /// The last number of a column (SI).

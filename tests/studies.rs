@@ -1,6 +1,7 @@
 //! Studies: points of sweeps and tables in slices. The collected table has the same bytes for all slicings, kills and
 //! numbers of threads; nothing is lost, and no file is half-written.
 
+use crate::support::Temporary;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -37,14 +38,11 @@ report size \"Size\" {
 const DESIGN: &str = "length [mm],load [kg]
 100,1\n200,1\n300,2\n3000,2\n500,1\n600,1.5\n700,1\n800,0.7\n900,1\n1000,1e0\n1100,1\n1200,1\n";
 
-struct Place(PathBuf);
+struct Place(Temporary);
 
 impl Place {
     fn new(name: &str, duration: &str) -> Place {
-        let folder =
-            std::env::temp_dir().join(format!("eng-studies-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = Temporary::new(&format!("studies-{name}"));
         let model = MODEL.replace("DURATION", duration);
         std::fs::write(folder.join("swing.eng"), model).unwrap();
         std::fs::write(folder.join("design.csv"), DESIGN).unwrap();
@@ -90,12 +88,6 @@ impl Place {
     fn collected(&self, out: &str, analysis: &str, code: i32) -> Vec<u8> {
         self.says(&format!("collect {out} --analysis {analysis}"), code);
         std::fs::read(self.path(out).join(format!("{analysis}.points.parquet"))).unwrap()
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
@@ -357,7 +349,7 @@ fn wrong_designs_are_refused_before_any_run() {
             "length [mm],length [m]\n1,1\n",
             "there are two columns of length",
         ),
-        ("length [mm],load [kg]\n1\n", "line 2 has 1 cells"),
+        ("length [mm],load [kg]\n1\n", "line 2 has 1 cell, and"),
     ] {
         std::fs::write(place.path("wrong.csv"), design).unwrap();
         let said = place.says(
@@ -458,7 +450,7 @@ fn a_parquet_file_is_a_design() {
     assert_eq!(path, place.path("design.parquet"));
     std::fs::write(
         place.path("same.csv"),
-        "length [mm];load [kg]\n100;1\n250;2,0\n",
+        "length[mm];load [kg];\n100;1;\n250;2,0\n",
     )
     .unwrap();
     for (file, out) in [("design.parquet", "a"), ("same.csv", "b")] {

@@ -1,6 +1,7 @@
 //! The quasi-static start of a flexible shaft that turns, through the language: its weight bends it as at rest.
 
-use eng::{Outcome, Program, Sources, StartReport, Turning};
+use crate::support::{outcome, program_of};
+use eng::{Outcome, Program, StartReport, Turning};
 use eng_system::field::{
     Accuracy, FieldError, FieldGrid, FieldKernel, FieldMaker, FieldNumbers, FieldSolver, Past,
 };
@@ -73,18 +74,8 @@ fn run(speed: f64) -> Outcome {
          }}
          analysis begins = transient(Shaft(), duration: 10 ms, sample: 0.1 ms, start: quasi_static)"
     );
-    let sources = Sources::from_texts([
-        ("shaft.eng".to_owned(), text),
-        ("shaft.bdf".to_owned(), deck()),
-    ]);
-    let program: Program = eng::check(&sources, "shaft.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"));
-    program
-        .analysis("begins")
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
+    let program = program_of(&[("shaft.eng", &text), ("shaft.bdf", &deck())]);
+    outcome(&program, "begins")
 }
 
 fn column<'r>(outcome: &'r Outcome, path: &str) -> &'r [f64] {
@@ -191,13 +182,7 @@ fn checked_rotor(
          }}
          analysis begins = transient(Rotor(), duration: {duration}, sample: 0.1 ms, start: {start})"
     );
-    let sources = Sources::from_texts([
-        ("rotor.eng".to_owned(), text),
-        ("shaft.bdf".to_owned(), deck()),
-    ]);
-    eng::check(&sources, "rotor.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"))
+    program_of(&[("rotor.eng", &text), ("shaft.bdf", &deck())])
 }
 
 fn films() -> String {
@@ -564,18 +549,9 @@ fn overhung(speed: f64, offset: f64, bearings: &str, analysis: &str) -> Outcome 
     let diameter: f64 = 0.03;
     let area = 0.25 * std::f64::consts::PI * diameter.powi(2);
     let moment = std::f64::consts::PI * diameter.powi(4) / 64.0;
-    let sources = Sources::from_texts([
-        ("rotor.eng".to_owned(), text),
-        ("shaft.bdf".to_owned(), beam(0.5, 10, area, moment)),
-    ]);
-    let program: Program = eng::check(&sources, "rotor.eng")
-        .into_program()
-        .unwrap_or_else(|report| panic!("{report}"));
-    program
-        .analysis(analysis)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .run(&mut |_| {})
-        .unwrap_or_else(|failed| panic!("{}", failed.error))
+    let deck = beam(0.5, 10, area, moment);
+    let program = program_of(&[("rotor.eng", &text), ("shaft.bdf", &deck)]);
+    outcome(&program, analysis)
 }
 
 /// Two bearings with stiffness (N/m) and damping (N s/m) along x and y.

@@ -1,5 +1,6 @@
 //! Validation of the examples and the solver. docs/validation.md has the numbers and sources.
 
+use crate::support::column;
 use eng::{Analysis, Model, Quantity, Results, RuntimeError, Sources};
 use serde_json::Value;
 use std::path::Path;
@@ -32,13 +33,6 @@ fn model(text: &str, name: &str) -> Model {
         .unwrap_or_else(|report| panic!("{report}"))
         .model(name)
         .unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn column<'r>(results: &'r Results, path: &str) -> &'r [f64] {
-    &results
-        .column(path)
-        .unwrap_or_else(|| panic!("no column {path}"))
-        .values
 }
 
 fn reference(file: &str) -> Value {

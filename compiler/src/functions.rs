@@ -3,7 +3,7 @@
 //! An elementary function of one number needs its row here, its row in `system/src/elementary.rs`, and its
 //! derivative in `ir/differentiate.rs`. A function of another kind also has its type in `check/builtin.rs`
 //! and its evaluation in `elaborate/builtin.rs`. A number of a signal needs its row here, a variant of
-//! `Reduction` in `system/src/expression.rs` and its evaluation in `src/post/operation.rs`.
+//! `Reduction` with its name in `system/src/expression.rs`, and its evaluation in `src/post/operation.rs`.
 
 use eng_system::elementary::Elementary;
 use eng_system::expression::{Function, Operator, Reduction};
@@ -126,8 +126,8 @@ const fn of_results(
     function(name, parameters, Kind::Results).of(results)
 }
 
-const fn reduction(name: &'static str, reduction: Reduction) -> BuiltIn {
-    of_results(name, &["signal"], OfResults::Reduce(reduction))
+const fn reduction(reduction: Reduction) -> BuiltIn {
+    of_results(reduction.name(), &["signal"], OfResults::Reduce(reduction))
 }
 
 /// All functions.
@@ -172,14 +172,14 @@ static FUNCTIONS: [BuiltIn; 52] = [
     function("largest", &["x"], Kind::Turn),
     function("smallest", &["x"], Kind::Turn),
     function("where_largest", &["x"], Kind::Turn),
-    reduction("minimum", Reduction::Minimum),
-    reduction("maximum", Reduction::Maximum),
+    reduction(Reduction::Minimum),
+    reduction(Reduction::Maximum),
     // the checker replaces `false` if the place is a time: `over` and the model decide
-    reduction("minimum_at", Reduction::MinimumAt(false)).with(&["over"]),
-    reduction("maximum_at", Reduction::MaximumAt(false)).with(&["over"]),
-    reduction("mean", Reduction::Mean),
-    reduction("rms", Reduction::RootMeanSquare),
-    reduction("peak_to_peak", Reduction::PeakToPeak),
+    reduction(Reduction::MinimumAt(false)).with(&["over"]),
+    reduction(Reduction::MaximumAt(false)).with(&["over"]),
+    reduction(Reduction::Mean),
+    reduction(Reduction::RootMeanSquare),
+    reduction(Reduction::PeakToPeak),
     of_results("amplitude", &["signal", "at"], OfResults::Amplitude).with(&["window"]),
     of_results("mode", &["column", "at"], OfResults::Mode),
     of_results("at_frequency", &["column", "at"], OfResults::AtFrequency),

@@ -3,11 +3,10 @@
 //! Only this module and the modules inside of it use Cranelift, and no other module of the crate has unsafe
 //! code.
 //!
-//! Every value is an `F64X2` with two instances, and a flag is a mask in an `I64X2`. A function is one block
-//! of straight-line code, planned in `plan`, with the addresses of `addresses`. An operation without an
-//! instruction of its own is a call on both lanes in place, to the same `libm` and the same tables as in the
-//! interpreter. No operation is fused or reordered, so the results equal the interpreter's to the bit (except
-//! the payload of a NaN).
+//! Every value is an `F64X2` with two instances, and a flag is a mask in an `I64X2`. A function is one block of
+//! straight-line code, planned in `plan`, with the addresses of `addresses`. An operation without an instruction of
+//! its own is a call, which replaces both lanes. It uses the same `libm` and the same tables as the interpreter. No
+//! operation is fused or reordered, so the results equal the interpreter's to the bit (except the payload of a NaN).
 
 #![allow(unsafe_code)]
 
@@ -49,8 +48,8 @@ pub struct JitClass {
     constants: Vec<Pair>,
     /// Interpreters of the functions that read tables, to find a table that is evaluated outside its points.
     readers: [Option<Interpreter>; Which::ALL.len()],
-    /// Owns the memory that `entries` point into. Nothing but `drop` touches it; the mutex makes it `Sync`
-    /// without a promise of our own.
+    /// Owns the memory that `entries` point into. Nothing but `drop` touches it. The mutex makes it `Sync`, so no
+    /// unsafe code must promise that.
     module: Mutex<Option<JITModule>>,
 }
 

@@ -37,7 +37,7 @@ pub const LIBRARY: &[(&str, &str)] = &[
 ];
 
 /// Data files of the library's tables, by the names that its texts give to `csv`.
-pub const FILES: &[(&str, &str)] = &[
+pub(crate) const FILES: &[(&str, &str)] = &[
     ("reynolds.csv", include_str!("../../stdlib/reynolds.csv")),
     ("thrust.csv", include_str!("../../stdlib/thrust.csv")),
 ];

@@ -16,13 +16,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Module and interface of the weld between the ground and a flexible body with supports. The joint of this module that fills it
 /// has no other parameters.
-pub const WELD: (&str, &str) = ("std.joints", "Weld");
+pub(crate) const WELD: (&str, &str) = ("std.joints", "Weld");
 /// Module and interface of film laws. A class that fills it is a journal for the start, the tolerance, tables
 /// and figures.
-pub const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
+pub(crate) const JOURNAL_LAW: (&str, &str) = ("std.journals", "JournalLaw");
 /// Module and interface of the gas in a cylinder. A class that fills it gives the firing angle of the
 /// cylinder.
-pub const GAS_LAW: (&str, &str) = ("std.forces", "GasLaw");
+pub(crate) const GAS_LAW: (&str, &str) = ("std.forces", "GasLaw");
 
 /// Whether a module belongs to the library.
 pub(crate) fn is_library(path: &str) -> bool {
@@ -110,7 +110,7 @@ pub struct Offered {
 
 impl Program {
     /// Whether a text belongs to the library.
-    pub fn is_library(&self, source: SourceId) -> bool {
+    pub(crate) fn is_library(&self, source: SourceId) -> bool {
         let module = self.modules.iter().find(|module| module.source == source);
         module.is_some_and(|module| is_library(&module.path))
     }
@@ -141,7 +141,7 @@ impl Program {
     }
 
     /// The class that holds a flexible body with supports on the ground, if a text has one.
-    pub fn weld(&self) -> Option<DefinitionId> {
+    pub(crate) fn weld(&self) -> Option<DefinitionId> {
         let interface = self.of_library(WELD)?;
         let items = &self.modules.get(interface.module as usize)?.file.items;
         let mut definitions =
@@ -153,12 +153,12 @@ impl Program {
     }
 
     /// The interface of film laws; `None` if no module uses it.
-    pub fn journal_law(&self) -> Option<DefinitionId> {
+    pub(crate) fn journal_law(&self) -> Option<DefinitionId> {
         self.of_library(JOURNAL_LAW)
     }
 
     /// The interface of the gas in a cylinder; `None` if no module uses it.
-    pub fn gas_law(&self) -> Option<DefinitionId> {
+    pub(crate) fn gas_law(&self) -> Option<DefinitionId> {
         self.of_library(GAS_LAW)
     }
 
@@ -176,7 +176,7 @@ impl Program {
     }
 
     /// The interface that a class, a record or an interface names after its colon: `: JournalLaw`.
-    pub fn interface_of(&self, id: DefinitionId) -> Option<DefinitionId> {
+    pub(crate) fn interface_of(&self, id: DefinitionId) -> Option<DefinitionId> {
         let name = interface_name(self.declaration(id)?)?;
         let interface = self.lookup(id.module, &name.text)?;
         (self.declaration(interface)?.kind == ast::Kind::Interface).then_some(interface)
@@ -184,7 +184,7 @@ impl Program {
 
     /// The definitions whose text makes up a definition: its interfaces, the most general first, then
     /// itself.
-    pub fn lineage(&self, id: DefinitionId) -> Vec<DefinitionId> {
+    pub(crate) fn lineage(&self, id: DefinitionId) -> Vec<DefinitionId> {
         let mut found = vec![id];
         let mut most_specific = id;
         // an interface extends one that extends none, so a class has two interfaces at most
@@ -203,7 +203,7 @@ impl Program {
     }
 
     /// Whether a definition is an interface, or fills or extends it.
-    pub fn fills(&self, id: DefinitionId, interface: DefinitionId) -> bool {
+    pub(crate) fn fills(&self, id: DefinitionId, interface: DefinitionId) -> bool {
         self.lineage(id).contains(&interface)
     }
 
@@ -258,7 +258,7 @@ impl Program {
 }
 
 /// The name after the colon of a class, a record or an interface.
-pub fn interface_name(declaration: &ast::Declaration) -> Option<&ast::Name> {
+pub(crate) fn interface_name(declaration: &ast::Declaration) -> Option<&ast::Name> {
     match &declaration.form {
         ast::Form::Class { interface, .. } | ast::Form::Plain { interface, .. } => {
             interface.as_ref()
@@ -295,7 +295,7 @@ fn lints_of<'p>(items: &'p [ast::Item], names: &mut BTreeSet<&'p str>) {
 }
 
 /// A unit expression as text: `kg*m/s^2`.
-pub fn unit_text(expr: &ast::UnitExpr) -> String {
+pub(crate) fn unit_text(expr: &ast::UnitExpr) -> String {
     let mut text = String::new();
     for factor in &expr.factors {
         let (n, d) = (factor.numerator, factor.denominator);

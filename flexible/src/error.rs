@@ -132,6 +132,14 @@ pub enum FlexibleError {
 }
 
 impl FlexibleError {
+    /// A mesh or a request that makes no structure.
+    pub(crate) fn structure(problem: String, advice: &str) -> FlexibleError {
+        FlexibleError::Structure {
+            problem,
+            advice: advice.into(),
+        }
+    }
+
     /// The remedy; empty without one.
     pub fn advice(&self) -> &str {
         match self {

@@ -29,7 +29,7 @@ pub struct Model<'a> {
     /// The mesh (SI), with ties.
     pub mesh: &'a Mesh,
     /// Its matrices.
-    pub full: &'a fe::Structure,
+    pub full: &'a fe::Assembled,
     /// Integration rules.
     pub rules: &'a Rules,
     /// Reduction from full freedoms to free ones.

@@ -4,6 +4,7 @@ use crate::error::{self, FlexibleError, Part, mm};
 use crate::fe::vector::dot;
 use crate::mesh::{Mesh, Node, Tie};
 pub use eng_system::flexible::{MarkerPlace, Selection, Spider};
+use std::collections::BTreeMap;
 
 /// A marker to be made on a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,13 +20,6 @@ pub struct MarkerRequest {
 /// Axes parallel to the mesh's.
 pub const MESH_AXES: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-fn refuse(problem: String, advice: &str) -> FlexibleError {
-    FlexibleError::Structure {
-        problem,
-        advice: advice.into(),
-    }
-}
-
 /// Indices of the nodes of a selection, ascending.
 ///
 /// # Errors
@@ -37,7 +31,7 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             Some(found) if !found.nodes().is_empty() => Ok(found.nodes().to_vec()),
             _ => {
                 let known: Vec<&str> = mesh.sets.keys().map(String::as_str).take(20).collect();
-                Err(refuse(
+                Err(FlexibleError::structure(
                     format!("{name}: the mesh has no set {set} with nodes"),
                     &format!("its sets are {}", known.join(", ")),
                 ))
@@ -55,7 +49,7 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             };
             let Some(nodes) = around(mesh, center, axis, on_ring) else {
                 let problem = format!("{name}: the ring has no axis");
-                return Err(refuse(problem, "give a direction"));
+                return Err(FlexibleError::structure(problem, "give a direction"));
             };
             at_least_three(
                 nodes,
@@ -81,7 +75,7 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             };
             let Some(nodes) = around(mesh, center, normal, in_plane) else {
                 let problem = format!("{name}: the plane has no normal");
-                return Err(refuse(problem, "give a direction"));
+                return Err(FlexibleError::structure(problem, "give a direction"));
             };
             at_least_three(
                 nodes,
@@ -97,7 +91,7 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             let Some(wanted) = wanted else {
                 let known = mesh.properties.iter().map(|p| p.name.as_str());
                 let known: Vec<&str> = known.take(20).collect();
-                return Err(refuse(
+                return Err(FlexibleError::structure(
                     format!("{name}: the mesh has no property {property}"),
                     &format!("its properties are {}", known.join(", ")),
                 ));
@@ -146,9 +140,22 @@ fn at_least_three(
     advice: &str,
 ) -> Result<Vec<u32>, FlexibleError> {
     match nodes.len() {
-        0..3 => Err(refuse(problem(nodes.len()), advice)),
+        0..3 => Err(FlexibleError::structure(problem(nodes.len()), advice)),
         _ => Ok(nodes),
     }
+}
+
+/// Index of the node with a number, which a marker names.
+///
+/// # Errors
+/// The mesh has no such node.
+pub fn numbered(index: &BTreeMap<u64, u32>, name: &str, id: u64) -> Result<u32, FlexibleError> {
+    index.get(&id).copied().ok_or_else(|| {
+        FlexibleError::structure(
+            format!("{name}: the mesh has no node {id}"),
+            "check the number; or gather nodes by a ring or a set",
+        )
+    })
 }
 
 /// Adds the centres and ties of markers to a mesh (in SI), and returns the node of each marker.
@@ -163,15 +170,9 @@ pub fn place(mesh: &mut Mesh, markers: &[MarkerRequest]) -> Result<Vec<u32>, Fle
         let name = &marker.name;
         let of_marker = |error: FlexibleError| error.of(Part::Marker(position));
         match &marker.place {
-            MarkerPlace::Node(id) => match index.get(id) {
-                Some(node) => found.push(*node),
-                None => {
-                    return Err(of_marker(refuse(
-                        format!("{name}: the mesh has no node {id}"),
-                        "check the number; or gather nodes by a ring or a set",
-                    )));
-                }
-            },
+            MarkerPlace::Node(id) => {
+                found.push(numbered(&index, name, *id).map_err(of_marker)?);
+            }
             MarkerPlace::Gathered { nodes, tie, center } => {
                 let gathered = select(mesh, name, nodes).map_err(of_marker)?;
                 let middle = match (center, nodes) {

@@ -264,7 +264,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
 /// Reference Guide, PARAM,AUTOSPC), and those of nodes that ties alone use in CalculiX, where they don't exist.
 fn eliminated(
     mesh: &Mesh,
-    full: &fe::Structure,
+    full: &fe::Assembled,
     mut held: Vec<Support>,
     request: &Request,
     report: &mut Report,
@@ -506,7 +506,7 @@ fn matrices(
     request: &Request,
     nodal: Option<(NodalMatrix, NodalMatrix)>,
     report: &mut Report,
-) -> Result<(fe::Structure, Vec<Support>), FlexibleError> {
+) -> Result<(fe::Assembled, Vec<Support>), FlexibleError> {
     let Some((stiffness, mass)) = nodal else {
         let full = assemble(mesh, &request.rules)?;
         let differences = fe::form::warnings(mesh, &request.rules);
@@ -576,7 +576,7 @@ fn matrices(
 /// Checks a condensed body, and warns of its estimated constants.
 fn condensed(
     mesh: &Mesh,
-    full: &fe::Structure,
+    full: &fe::Assembled,
     title: &str,
     held: bool,
     request: &Request,

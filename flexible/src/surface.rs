@@ -1,6 +1,6 @@
 //! The surface of a mesh, for pictures and films.
 
-use crate::element::around;
+use crate::element::{around, facets};
 use crate::mesh::{ElementKind, Mesh};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -103,24 +103,13 @@ pub(crate) fn outer_faces(mesh: &Mesh) -> Vec<(u32, usize)> {
     outer
 }
 
-/// Triangles of a face. Each corner comes with the mid-side node after it.
+/// Triangles of a face: its facets, each cut from its first node.
 fn cut(ring: &[(u32, Option<u32>)]) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
-    let mut inner = Vec::new();
-    let mut before = ring.last().and_then(|(_, middle)| *middle);
-    for (corner, middle) in ring {
-        match (before, *middle) {
-            (Some(before), Some(after)) => triangles.push([before, *corner, after]),
-            _ => inner.push(*corner),
-        }
-        inner.extend(*middle);
-        before = *middle;
-    }
-    if let Some((first, rest)) = inner.split_first() {
-        for pair in rest.windows(2) {
-            if let [a, b] = *pair {
-                triangles.push([*first, a, b]);
-            }
+    for facet in facets(ring) {
+        if let Some((first, rest)) = facet.split_first() {
+            let pairs = rest.windows(2).filter_map(|pair| pair.as_array());
+            triangles.extend(pairs.map(|[a, b]: &[u32; 2]| [*first, *a, *b]));
         }
     }
     triangles

@@ -6,6 +6,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::nastran_deck::{Memory, ids, unread};
+use crate::support::apart;
 use eng_flexible::fe::{MassRule, Rules, assemble, form};
 use eng_flexible::mesh::{Code, Element, ElementKind, Mesh, Section, Support};
 use eng_flexible::read::abaqus::read_inp;
@@ -56,12 +57,6 @@ fn frequencies(mesh: Mesh, rules: Rules, count: usize) -> Vec<f64> {
         Ok(reduced) => reduced.body.frequencies,
         Err(error) => panic!("{error} ({})", error.advice()),
     }
-}
-
-fn apart(found: &[f64], exact: &[f64]) -> f64 {
-    assert_eq!(found.len(), exact.len());
-    let pairs = found.iter().zip(exact);
-    pairs.map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// The same nodes and elements in the language of Abaqus, with types by the kinds of the mesh.

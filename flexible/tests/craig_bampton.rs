@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read};
 
 use crate::foreign_files::{Dense, Layout, dmig, op4_text};
+use crate::support::Data;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest};
 use eng_flexible::mesh::{Code, Mesh};
@@ -38,9 +39,7 @@ impl Files for Memory {
         if let Some(text) = self.0.get(name) {
             return Ok(Box::new(io::Cursor::new(text.clone().into_bytes())));
         }
-        let folder =
-            std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/calculix");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
+        Data("calculix").open(name)
     }
 }
 

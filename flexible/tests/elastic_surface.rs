@@ -1,31 +1,23 @@
 //! Elastic surfaces of bores against the exact solution of a ring in plane stress, and against each other
 //! with different modes.
 
+use crate::foreign_files::OneFile;
+use eng_flexible::FlexibleError;
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::{Code, Mesh};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Reduced, Request, SurfaceRequest, Term, reduce};
 use eng_flexible::solve::Modes;
-use eng_flexible::{Files, FlexibleError};
 use eng_system::reduced::ReducedSurface;
 use eng_system::surface::{SurfaceShape, SurfaceShapes};
 use std::fmt::Write;
-use std::io::Read;
 
 const INNER: f64 = 27e-3;
 const OUTER: f64 = 40e-3;
 const WIDTH: f64 = 4e-3;
 const YOUNG: f64 = 210e9;
 const POISSON: f64 = 0.3;
-
-struct Text(String);
-
-impl Files for Text {
-    fn open(&self, _: &str) -> std::io::Result<Box<dyn Read>> {
-        Ok(Box::new(std::io::Cursor::new(self.0.clone().into_bytes())))
-    }
-}
 
 /// A ring of 20-node hexahedra in SI: so many around, across the wall and along the axis.
 fn ring(around: usize, wall: usize, along: usize) -> Mesh {
@@ -83,7 +75,7 @@ fn ring(around: usize, wall: usize, along: usize) -> Mesh {
         "*MATERIAL, NAME=STEEL\n*ELASTIC\n{YOUNG}, {POISSON}\n*DENSITY\n7850\n*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL"
     )
     .unwrap();
-    read_inp(&Text(text), "ring.inp", Code::CalculiX).unwrap()
+    read_inp(&OneFile(text.into_bytes()), "ring.inp", Code::CalculiX).unwrap()
 }
 
 fn bore(tie: Spider, width: f64) -> MarkerRequest {

@@ -5,6 +5,7 @@ use crate::fe_meshes;
 use crate::nastran_deck;
 
 use crate::nastran_deck::Memory;
+use crate::support::{Data, apart};
 use eng_flexible::Files;
 use eng_flexible::fe::{MassRule, Rules, assemble, form};
 use eng_flexible::mesh::{Code, ElementKind, Mesh, Variant};
@@ -15,20 +16,12 @@ use eng_flexible::solve::Modes;
 use eng_flexible::store::{Key, StoredBody};
 use serde_json::Value;
 use std::io::Read;
-use std::path::Path;
 
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/variants");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
+const DATA: Data = Data("variants");
 
 fn reference() -> Value {
     let mut text = String::new();
-    let mut file = Data.open("reference.json").unwrap();
+    let mut file = DATA.open("reference.json").unwrap();
     file.read_to_string(&mut text).unwrap();
     serde_json::from_str(&text).unwrap()
 }
@@ -40,7 +33,7 @@ fn of_calculix(name: &str) -> Vec<f64> {
 }
 
 fn read(name: &str, code: Code) -> Mesh {
-    read_inp(&Data, name, code).unwrap()
+    read_inp(&DATA, name, code).unwrap()
 }
 
 /// Frequencies (Hz) of a mesh in SI.
@@ -57,12 +50,6 @@ fn frequencies(mesh: Mesh, rules: Rules, count: usize) -> Vec<f64> {
         Ok(reduced) => reduced.body.frequencies,
         Err(error) => panic!("{error}"),
     }
-}
-
-fn apart(found: &[f64], exact: &[f64]) -> f64 {
-    assert_eq!(found.len(), exact.len());
-    let pairs = found.iter().zip(exact);
-    pairs.map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// Distorted bars; CalculiX prints seven digits.

@@ -2,7 +2,7 @@
 
 use crate::fe_meshes::*;
 use eng_flexible::fe::mass::rigid_motions;
-use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
+use eng_flexible::fe::{Assembled, Reduction, Rules, assemble};
 use eng_flexible::mesh::{
     BeamAxes, BeamSection, ElementKind, Frame, Mesh, PointMass, Section, ShellSection, Spring,
     Support,
@@ -51,14 +51,14 @@ fn line(axis: [f64; 3], pieces: u32, section: Section, orientation: [f64; 3]) ->
     mesh
 }
 
-fn cantilever(mesh: &Mesh) -> (Structure, Reduction) {
+fn cantilever(mesh: &Mesh) -> (Assembled, Reduction) {
     let structure = assemble(mesh, &Rules::default()).unwrap();
     let reduction = Reduction::new(mesh, &structure, &held(&[0], 0b111111)).unwrap();
     (structure, reduction)
 }
 
 /// Displacement of a node under a force on it.
-fn push(structure: &Structure, reduction: &Reduction, node: u32, force: [f64; 6]) -> [f64; 6] {
+fn push(structure: &Assembled, reduction: &Reduction, node: u32, force: [f64; 6]) -> [f64; 6] {
     let mut full = vec![0.0; structure.freedoms.size()];
     let range = structure.freedoms.of(node);
     full[range.clone()].copy_from_slice(&force);
@@ -343,7 +343,7 @@ fn springs_act_along_their_frames() {
     let free = line([0.5, 0.0, 0.0], 1, section(0.0), [0.0, 1.0, 0.0]);
     let (plain, _) = cantilever(&free);
     let (a, b) = (structure.freedoms.of(1).start, plain.freedoms.of(1).start);
-    let entry = |structure: &Structure, i: usize| structure.stiffness.column(i).1[0];
+    let entry = |structure: &Assembled, i: usize| structure.stiffness.column(i).1[0];
     assert!(agrees(
         entry(&structure, a + 1),
         entry(&plain, b + 1) + soft,

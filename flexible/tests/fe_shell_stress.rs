@@ -4,7 +4,7 @@ use crate::fe_meshes::*;
 use crate::shell_meshes::*;
 use eng_flexible::Mesh;
 use eng_flexible::fe::stress::{Components, surface_stresses, von_mises};
-use eng_flexible::fe::{Rules, Structure, assemble};
+use eng_flexible::fe::{Assembled, Rules, assemble};
 use eng_flexible::mesh::{Layup, ShellSection, ShellShape};
 use eng_flexible::recover::Recovery;
 use eng_flexible::reduce::{Reduced, Report};
@@ -12,7 +12,7 @@ use eng_flexible::store::{Key, StoredBody};
 use eng_system::reduced::{Invariants, ReducedBody};
 
 /// The stresses of a vector on the surfaces of each node, from the lower to the upper.
-fn stresses(mesh: &Mesh, structure: &Structure, full: &[f64]) -> Vec<Vec<Components>> {
+fn stresses(mesh: &Mesh, structure: &Assembled, full: &[f64]) -> Vec<Vec<Components>> {
     let wanted = vec![true; mesh.nodes.len()];
     let found =
         surface_stresses(mesh, &structure.freedoms, &Rules::default(), full, &wanted).unwrap();

@@ -1,7 +1,7 @@
 //! Ties and supports: elimination, chains, frames, held averages.
 
 use crate::fe_meshes::*;
-use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
+use eng_flexible::fe::{Assembled, Reduction, Rules, assemble};
 use eng_flexible::mesh::{ElementKind, Frame, Mesh, Support, Tie};
 use eng_flexible::solve::{EigenOptions, Modes, lowest_modes};
 
@@ -31,7 +31,7 @@ fn averaging(id: u64, reference: u32, nodes: &[u32]) -> Tie {
     }
 }
 
-fn reduced(mesh: &Mesh, held: &[Support]) -> (Structure, Reduction) {
+fn reduced(mesh: &Mesh, held: &[Support]) -> (Assembled, Reduction) {
     let structure = assemble(mesh, &Rules::default()).unwrap();
     let reduction = Reduction::new(mesh, &structure, held).unwrap();
     (structure, reduction)
@@ -54,13 +54,13 @@ fn wild(count: usize) -> Vec<f64> {
         .collect()
 }
 
-fn at(structure: &Structure, full: &[f64], node: u32) -> [f64; 3] {
+fn at(structure: &Assembled, full: &[f64], node: u32) -> [f64; 3] {
     let first = structure.freedoms.of(node).start;
     [0, 1, 2].map(|axis| full[first + axis])
 }
 
 /// The congruence `Tᵀ A T` with dense matrices.
-fn dense_reduced(structure: &Structure, reduction: &Reduction) -> Vec<Vec<f64>> {
+fn dense_reduced(structure: &Assembled, reduction: &Reduction) -> Vec<Vec<f64>> {
     let size = reduction.size();
     let mut result = Vec::new();
     for column in 0..size {

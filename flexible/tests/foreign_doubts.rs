@@ -1,23 +1,14 @@
 //! Matrices of another code that make no body, and the messages about them.
 
-use crate::foreign_files::mesh_of_nodes;
+use crate::foreign_files::{OneFile, mesh_of_nodes};
+use eng_flexible::FlexibleError;
 use eng_flexible::foreign::{ForeignMatrices, RowOrder};
 use eng_flexible::mesh::Mesh;
 use eng_flexible::read::matrix::{ForeignFreedoms, ForeignMatrix, MatrixFormat, read_matrix};
 use eng_flexible::reduce::{Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
-use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
-use std::io::{self, Read};
-
-struct Text(&'static str);
-
-impl Files for Text {
-    fn open(&self, _: &str) -> io::Result<Box<dyn Read>> {
-        Ok(Box::new(io::Cursor::new(self.0)))
-    }
-}
 
 /// Four nodes at the corners of a tetrahedron, 1 m long.
 fn mesh() -> Mesh {
@@ -188,12 +179,13 @@ fn exchanged_matrices_are_told() {
 fn a_file_of_the_matrix_market_is_told_as_such() {
     let text = "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 2\n2 1 -2\n2 2 2\n";
     for format in [MatrixFormat::Abaqus, MatrixFormat::CalculiX] {
-        let error = read_matrix(&Text(text), "k.mtx", format, "").unwrap_err();
+        let error =
+            read_matrix(&OneFile(text.as_bytes().to_vec()), "k.mtx", format, "").unwrap_err();
         assert!(error.to_string().contains("MatrixMarket"), "{error}");
         assert!(error.advice().contains("line of sizes"), "{error}");
     }
     // its advice
-    let stripped = Text("1 1 2\n2 1 -2\n2 2 2\n");
+    let stripped = OneFile(b"1 1 2\n2 1 -2\n2 2 2\n".to_vec());
     let found = read_matrix(&stripped, "k.mtx", MatrixFormat::Abaqus, "").unwrap();
     assert_eq!(
         (found.rows, found.symmetric, found.entries.len()),

@@ -62,6 +62,7 @@ mod stacks;
 mod store;
 mod store_crank;
 mod superelement_files;
+mod support;
 mod systems;
 mod universal_files;
 mod wrong_files;

@@ -1,27 +1,15 @@
 //! The same meshes through the readers of three formats.
 
+use crate::support::DATA;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::PathBuf;
 
 use eng_flexible::mesh::{Carries, Code, ElementKind, Mesh};
 use eng_flexible::{Files, FlexibleError, MeshFormat, read_mesh};
 use eng_system::mesh_files::Stated as _;
 
-/// The folder of test data.
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> io::Result<Box<dyn Read>> {
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-        Ok(Box::new(File::open(folder.join(name))?))
-    }
-}
-
 fn read(name: &str, format: &str) -> Mesh {
     let format = MeshFormat::named(format).expect("a format");
-    match read_mesh(&Data, name, format) {
+    match read_mesh(&DATA, name, format) {
         Ok(mesh) => mesh,
         Err(error) => panic!("{error} ({})", error.advice()),
     }
@@ -29,7 +17,7 @@ fn read(name: &str, format: &str) -> Mesh {
 
 /// Sets of nodes as the generator listed them.
 fn listed(model: &str) -> BTreeMap<String, Vec<u64>> {
-    let file = Data
+    let file = DATA
         .open(&format!("{model}_sets.json.gz"))
         .expect("test data");
     let listed: serde_json::Value =

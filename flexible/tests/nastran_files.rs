@@ -1,11 +1,10 @@
 //! Whole meshes through the Nastran reader.
 
 use crate::nastran_deck;
-use std::fs::File;
 use std::io::{self, Read};
-use std::path::PathBuf;
 
 use crate::nastran_deck::{Memory, close};
+use crate::support::DATA;
 use eng_flexible::mesh::{ElementKind, Mesh, Tie};
 use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::{Files, Place};
@@ -15,11 +14,7 @@ struct Data(Memory);
 
 impl Files for Data {
     fn open(&self, name: &str) -> io::Result<Box<dyn Read>> {
-        if let Ok(file) = self.0.open(name) {
-            return Ok(file);
-        }
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-        Ok(Box::new(File::open(folder.join(name))?))
+        self.0.open(name).or_else(|_| DATA.open(name))
     }
 }
 
@@ -217,9 +212,8 @@ fn crankshaft_with_spiders() {
 
 #[test]
 fn a_cut_file_is_told() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     let mut bytes = Vec::new();
-    File::open(folder.join("bar8.bdf.gz"))
+    DATA.open("bar8.bdf.gz")
         .and_then(|mut file| file.read_to_end(&mut bytes))
         .expect("test data");
     bytes.truncate(bytes.len() / 2);

@@ -1,6 +1,7 @@
 //! The lumped masses of Nastran: frequencies that MSC Nastran and MYSTRAN print, and shares by hand.
 
 use crate::nastran_deck::{mesh, problem};
+use crate::support::apart;
 use eng_flexible::FlexibleError;
 use eng_flexible::fe::{Rules, assemble, form};
 use eng_flexible::mesh::Mesh;
@@ -24,12 +25,6 @@ fn frequencies(mesh: Mesh, rules: Rules, count: usize) -> Vec<f64> {
         Ok(reduced) => reduced.body.frequencies,
         Err(error) => panic!("{error}"),
     }
-}
-
-fn apart(found: &[f64], exact: &[f64]) -> f64 {
-    assert_eq!(found.len(), exact.len());
-    let pairs = found.iter().zip(exact);
-    pairs.map(|(x, y)| (x / y - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// One box of sides 1, 2, 3 m with density 5 and shells of area 2 m², thickness 0.1 m.

@@ -2,8 +2,8 @@
 //! panics.
 
 use crate::nastran_deck::{Memory, is_consistent};
+use crate::support::{changed, read_or_refused, shuffled};
 use eng_flexible::read::nastran::read_bulk;
-use eng_flexible::{FlexibleError, Place};
 use proptest::prelude::*;
 
 /// A deck with every card that is read.
@@ -86,20 +86,11 @@ fn try_read(deck: &[u8], more: &[u8]) {
     let mut files = Memory::default();
     files.0.insert("deck.bdf".into(), deck.to_vec());
     files.0.insert("more.bdf".into(), more.to_vec());
-    match read_bulk(&files, "deck.bdf") {
-        Ok(mesh) => is_consistent(&mesh),
-        Err(FlexibleError::File(problem)) => {
-            assert!(["deck.bdf", "more.bdf"].contains(&problem.file.as_str()));
-            assert!(!problem.advice.is_empty(), "{problem}");
-            let whole = ["no grid point", "no BEGIN BULK"];
-            assert!(
-                matches!(problem.place, Place::Line(1..))
-                    || whole.iter().any(|text| problem.problem.contains(text)),
-                "{problem}"
-            );
-        }
-        Err(error) => panic!("{error}"),
-    }
+    read_or_refused(
+        read_bulk(&files, "deck.bdf"),
+        ["deck.bdf", "more.bdf"],
+        ["no grid point", "no BEGIN BULK"],
+    );
 }
 
 #[test]
@@ -119,38 +110,21 @@ proptest! {
 
     #[test]
     fn bytes_changed(changes in prop::collection::vec((0..DECK.len(), any::<u8>()), 1..6)) {
-        let mut deck = DECK.as_bytes().to_vec();
-        for (place, byte) in changes {
-            deck[place] = byte;
-        }
-        try_read(&deck, MORE.as_bytes());
+        try_read(&changed(DECK, &changes), MORE.as_bytes());
     }
 
     #[test]
     fn characters_of_decks_put_anywhere(
         changes in prop::collection::vec((0..DECK.len(), prop::sample::select(b"0123456789.+-*,E$'=\t \nTHRU".to_vec())), 1..6)
     ) {
-        let mut deck = DECK.as_bytes().to_vec();
-        for (place, byte) in changes {
-            deck[place] = byte;
-        }
-        try_read(&deck, MORE.as_bytes());
+        try_read(&changed(DECK, &changes), MORE.as_bytes());
     }
 
     #[test]
     fn lines_lost_doubled_and_exchanged(
         changes in prop::collection::vec((0..200_usize, 0..200_usize, 0..3_u8), 1..5)
     ) {
-        let mut lines = DECK.lines().collect::<Vec<_>>();
-        for (from, to, what) in changes {
-            let (from, to) = (from % lines.len(), to % lines.len());
-            match what {
-                0 => drop(lines.remove(from)),
-                1 => lines.insert(to, lines[from]),
-                _ => lines.swap(from, to),
-            }
-        }
-        try_read(lines.join("\n").as_bytes(), MORE.as_bytes());
+        try_read(shuffled(DECK, &changes).as_bytes(), MORE.as_bytes());
     }
 
     #[test]

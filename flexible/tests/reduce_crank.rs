@@ -1,22 +1,12 @@
 //! A crankshaft's mesh, reduced: mass, frequencies and static answers against independent solutions.
 
+use crate::support::DATA;
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
-use eng_flexible::read::{Files, nastran::read_bulk};
+use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use serde_json::Value;
-use std::io::Read;
-use std::path::Path;
-
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
 
 /// Five main journals as averaging spiders; x and y of the mesh are along and across the crank.
 fn request(rules: Rules, terms: Vec<Term>) -> Request {
@@ -58,7 +48,7 @@ fn mains() -> Vec<Interface> {
 }
 
 fn crank(rules: Rules, terms: Vec<Term>) -> Reduced {
-    let mesh = read_bulk(&Data, "crank_m.bdf.gz").unwrap();
+    let mesh = read_bulk(&DATA, "crank_m.bdf.gz").unwrap();
     reduce(mesh, &request(rules, terms)).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -202,7 +192,7 @@ fn static_modes_make_loads_at_the_journals_exact() {
 
 #[test]
 fn markers_that_are_not_there_are_told() {
-    let mesh = read_bulk(&Data, "crank_m.bdf.gz").unwrap();
+    let mesh = read_bulk(&DATA, "crank_m.bdf.gz").unwrap();
     let mut wrong = request(Rules::default(), vec![Term::Static(mains())]);
     wrong.markers[2].place = MarkerPlace::Node(99_999_999);
     let error = reduce(mesh.clone(), &wrong).unwrap_err();

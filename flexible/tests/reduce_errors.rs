@@ -4,10 +4,10 @@ use crate::fe_meshes;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::io::{self, Read};
 
 use crate::fe_meshes::bar;
-use crate::foreign_files::{Dense, Layout, Op2, op4_binary};
+use crate::foreign_files::{Dense, Layout, OneFile, Op2, op4_binary};
+use eng_flexible::FlexibleError;
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerPlace, MarkerRequest};
@@ -19,17 +19,7 @@ use eng_flexible::read::{abaqus::read_inp, nastran::read_bulk};
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
-use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
-
-/// Every name gives this file.
-struct One(Vec<u8>);
-
-impl Files for One {
-    fn open(&self, _: &str) -> io::Result<Box<dyn Read>> {
-        Ok(Box::new(io::Cursor::new(self.0.clone())))
-    }
-}
 
 #[derive(Default)]
 struct Answers(String);
@@ -113,7 +103,7 @@ fn meshes() {
     answers.note(
         "a node that is not in the deck",
         read_bulk(
-            &One(
+            &OneFile(
                 b"BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nCTETRA,7,1,1,2,3,4\nPSOLID,1,1\nMAT1,1,2.+11,,.3,7850.\nENDDATA\n"
                     .to_vec(),
             ),
@@ -123,7 +113,7 @@ fn meshes() {
     answers.note(
         "the same for Abaqus",
         read_inp(
-            &One(
+            &OneFile(
                 b"*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT, TYPE=C3D4, ELSET=E\n7,1,2,3,4\n"
                     .to_vec(),
             ),
@@ -356,7 +346,7 @@ fn damaged_files() {
         false,
         false,
     );
-    let read = |bytes: Vec<u8>| read_op4(&One(bytes), "k.op4", "KGG");
+    let read = |bytes: Vec<u8>| read_op4(&OneFile(bytes), "k.op4", "KGG");
     read(op4.clone()).unwrap();
     answers.note(
         "OP4 cut in a record",
@@ -394,7 +384,7 @@ fn damaged_files() {
         file.matrix(matrix, 2);
         file.finish()
     };
-    let read = |bytes: Vec<u8>| read_op2_matrix(&One(bytes), "k.op2", "KGG");
+    let read = |bytes: Vec<u8>| read_op2_matrix(&OneFile(bytes), "k.op2", "KGG");
     let whole = op2(&matrix);
     read(whole.clone()).unwrap();
     answers.note(
@@ -419,7 +409,7 @@ fn damaged_files() {
         };
         let units = MeshUnits::named("si").unwrap();
         ForeignMatrices::read(
-            &One(text.as_bytes().to_vec()),
+            &OneFile(text.as_bytes().to_vec()),
             file("k.sti"),
             file("m.mas"),
             None,

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use crate::foreign_files::{
     Dense, Layout, Op2, dmig, format_of, mesh_of_nodes, op4_binary, op4_text,
 };
+use crate::support::{Data, apart, flexibility};
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RowOrder};
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
@@ -23,14 +24,7 @@ use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
 
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> io::Result<Box<dyn Read>> {
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/calculix");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
+const DATA: Data = Data("calculix");
 
 /// Files in memory.
 #[derive(Default)]
@@ -56,7 +50,7 @@ fn units() -> MeshUnits {
 
 /// A twisted bar of six 20-node bricks, 70 nodes numbered with gaps, in mm, tonne, s.
 fn bar() -> Mesh {
-    read_inp(&Data, "twisted.inp.gz", Code::CalculiX).unwrap()
+    read_inp(&DATA, "twisted.inp.gz", Code::CalculiX).unwrap()
 }
 
 fn in_si(mut mesh: Mesh) -> Mesh {
@@ -113,39 +107,6 @@ fn normal(count: usize) -> Term {
 
 fn done(result: Result<Reduced, FlexibleError>) -> Reduced {
     result.unwrap_or_else(|error| panic!("{error} ({})", error.advice()))
-}
-
-/// The largest relative difference of frequencies.
-fn apart(found: &[f64], exact: &[f64]) -> f64 {
-    assert_eq!(found.len(), exact.len());
-    found
-        .iter()
-        .zip(exact)
-        .map(|(x, y)| (x / y - 1.0).abs())
-        .fold(0.0, f64::max)
-}
-
-/// Φ ω⁻² Φᵀ at all freedoms of the markers: the body's flexibility, which does not depend on the signs of modes.
-fn flexibility(reduced: &Reduced) -> Vec<f64> {
-    let n = reduced.body.invariants.modes;
-    let rows: Vec<&[f64]> = reduced
-        .body
-        .markers
-        .iter()
-        .flat_map(|m| {
-            m.translation
-                .chunks_exact(n)
-                .chain(m.rotation.chunks_exact(n))
-        })
-        .collect();
-    let mut out = Vec::new();
-    for a in &rows {
-        for b in &rows {
-            let terms = (0..n).map(|i| a[i] * b[i] / reduced.body.invariants.stiffness[i * n + i]);
-            out.push(terms.sum());
-        }
-    }
-    out
 }
 
 /// Both triangles as columns; `places` has the place of each row among all.
@@ -271,7 +232,7 @@ fn matrices_of_every_format_give_the_bodies_of_their_own_code() {
         "{:?}",
         expected.report.warnings
     );
-    let stiff = flexibility(&expected);
+    let stiff = flexibility(&expected, 0);
     let largest = stiff.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
     let check = |what: &str, matrices: ForeignMatrices, tolerance: f64| {
         let asked = Request {
@@ -280,7 +241,7 @@ fn matrices_of_every_format_give_the_bodies_of_their_own_code() {
         };
         let reduced = done(reduce(in_si(bar()), &asked));
         let worst = apart(&reduced.body.frequencies, &expected.body.frequencies);
-        let flexible = flexibility(&reduced)
+        let flexible = flexibility(&reduced, 0)
             .iter()
             .zip(&stiff)
             .map(|(x, y)| (x - y).abs() / largest)
@@ -426,7 +387,7 @@ fn rows_in_analysis_frames_are_turned() {
     let reduced = done(reduce(in_si(mesh), &asked));
     let worst = apart(&reduced.body.frequencies, &expected.body.frequencies);
     assert!(worst < 1e-8, "{worst:e}");
-    let (found, exact) = (flexibility(&reduced), flexibility(&expected));
+    let (found, exact) = (flexibility(&reduced, 0), flexibility(&expected, 0));
     let largest = exact.iter().fold(0.0_f64, |w, x| w.max(x.abs()));
     for (x, y) in found.iter().zip(&exact) {
         assert!((x - y).abs() < 1e-8 * largest);
@@ -436,7 +397,7 @@ fn rows_in_analysis_frames_are_turned() {
 fn calculix(name: &str) -> ForeignMatrices {
     let [k, m, dof] = ["sti", "mas", "dof"].map(|end| format!("{name}.{end}.gz"));
     let names = with_freedoms(files((&k, ""), (&m, "")), &dof);
-    from(&Data, names, None)
+    from(&DATA, names, None)
 }
 
 fn hertz(name: &str, rigid: usize) -> Vec<f64> {
@@ -468,7 +429,7 @@ fn matrices_of_calculix_give_its_frequencies() {
             ..request(vec![normal(exact.len())])
         };
         let reduced = done(reduce(
-            in_si(read_inp(&Data, mesh, Code::CalculiX).unwrap()),
+            in_si(read_inp(&DATA, mesh, Code::CalculiX).unwrap()),
             &asked,
         ));
         let worst = apart(&reduced.body.frequencies, &exact);
@@ -547,7 +508,7 @@ fn a_body_of_nodes_alone() {
 /// Modes of CalculiX's results, six digits, on its matrices: rigid ones are dropped, the others keep their frequencies.
 #[test]
 fn given_shapes_of_a_file_are_a_mode_set() {
-    let modes = read_frd_modes(&Data, "twisted.frd.gz").unwrap();
+    let modes = read_frd_modes(&DATA, "twisted.frd.gz").unwrap();
     assert_eq!(modes.modes.len(), 14);
     let given = Term::Given(GivenModes {
         modes,
@@ -668,7 +629,7 @@ fn given_shapes_follow_ties_and_frames() {
 
 #[test]
 fn read_matrix_is_what_foreign_matrices_hold() {
-    let read = read_matrix(&Data, "twisted.sti.gz", MatrixFormat::CalculiX, "").unwrap();
+    let read = read_matrix(&DATA, "twisted.sti.gz", MatrixFormat::CalculiX, "").unwrap();
     let dof = calculix("twisted").stiffness;
     assert_eq!((read.rows, &read.entries), (210, &dof.entries));
     assert_eq!(dof.freedoms.unwrap().rows.len(), 210);

@@ -1,6 +1,8 @@
 //! The crankshaft and the engine block against independent solutions of the same finite-element matrices:
 //! supported frequencies, flexibility at the journals, Craig–Bampton matrices and frequencies.
 
+use crate::support::{self, DATA};
+use eng_flexible::FlexibleError;
 use eng_flexible::fe::mass::rigid_motions;
 use eng_flexible::fe::{Reduction, Rules, assemble};
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
@@ -12,22 +14,10 @@ use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::sparse::SymmetricOperator;
-use eng_flexible::{Files, FlexibleError};
 use serde_json::Value;
-use std::io::Read;
-use std::path::Path;
-
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
 
 fn mesh(model: &str) -> Mesh {
-    read_inp(&Data, &format!("{model}.inp.gz"), Code::CalculiX).unwrap()
+    read_inp(&DATA, &format!("{model}.inp.gz"), Code::CalculiX).unwrap()
 }
 
 fn solutions(model: &str) -> Value {
@@ -64,12 +54,7 @@ fn gathered(name: &str, tie: Spider) -> MarkerRequest {
 }
 
 fn apart(found: &[f64], exact: &[f64]) -> f64 {
-    assert!(found.len() >= exact.len());
-    found
-        .iter()
-        .zip(exact)
-        .map(|(x, y)| (x / y - 1.0).abs())
-        .fold(0.0, f64::max)
+    support::apart(&found[..exact.len()], exact)
 }
 
 /// Held at `feet`, with static modes of the mean motions of the journals and twenty normal modes.

@@ -1,30 +1,21 @@
 //! Supports: all nodes of a marker, the mean motion of an averaging one, the deck's own.
 
 use crate::nastran_deck::mesh;
-use eng_flexible::Files;
+use crate::support::Data;
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest, Selection, Spider};
 use eng_flexible::mesh::{Code, Mesh};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
-use std::io::Read;
-use std::path::Path;
 
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/variants");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
+const DATA: Data = Data("variants");
 
 /// CalculiX 2.20 with the nodes of one edge held (Hz): bending, torsion, …
 const CLAMPED: [f64; 5] = [110.6039, 268.6611, 690.7808, 860.3407, 993.5608];
 
 fn plate() -> Mesh {
-    read_inp(&Data, "plate.inp.gz", Code::CalculiX).unwrap()
+    read_inp(&DATA, "plate.inp.gz", Code::CalculiX).unwrap()
 }
 
 fn request() -> Request {

@@ -1,6 +1,7 @@
 //! A crankshaft of 31,000 nodes: stored, read at once, and recovered, with the time of each.
 
 use crate::fe_meshes;
+use crate::support::DATA;
 use eng_flexible::fe::Rules;
 use eng_flexible::fe::stress::von_mises;
 use eng_flexible::markers::{MarkerPlace, MarkerRequest, Selection, Spider};
@@ -10,17 +11,7 @@ use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::store::{Key, StoredBody, content_hash};
 use std::io::Read;
-use std::path::Path;
 use std::time::Instant;
-
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> std::io::Result<Box<dyn Read>> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
 
 fn timed<T>(what: &str, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
@@ -32,7 +23,7 @@ fn timed<T>(what: &str, work: impl FnOnce() -> T) -> T {
 #[test]
 fn a_crankshaft_is_stored_read_and_recovered() {
     let mut file = Vec::new();
-    Data.open("crank_m.bdf.gz")
+    DATA.open("crank_m.bdf.gz")
         .unwrap()
         .read_to_end(&mut file)
         .unwrap();
@@ -75,7 +66,7 @@ fn a_crankshaft_is_stored_read_and_recovered() {
         geometric_stiffness: true,
         ..Request::default()
     };
-    let mesh = timed("mesh", || read_bulk(&Data, "crank_m.bdf.gz").unwrap());
+    let mesh = timed("mesh", || read_bulk(&DATA, "crank_m.bdf.gz").unwrap());
     let reduced = timed("reduction with geometric stiffness", || {
         reduce(mesh, &request).unwrap()
     });

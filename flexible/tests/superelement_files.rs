@@ -2,10 +2,9 @@
 //! printed. The files are tests of pyYeti (BSD licence, `tests/data/superelements/LICENSE.txt`): a frame of four feet
 //! with eight modal freedoms, and a tower on it with 22.
 
-use std::io::{self, Read};
-use std::path::PathBuf;
-
 use crate::fe_meshes::agrees;
+use crate::support::Data;
+use eng_flexible::FlexibleError;
 use eng_flexible::foreign::{ForeignMatrices, MatrixFile};
 use eng_flexible::markers::{MESH_AXES, MarkerPlace, MarkerRequest};
 use eng_flexible::mesh::Mesh;
@@ -14,20 +13,12 @@ use eng_flexible::read::nastran::read_bulk;
 use eng_flexible::reduce::{Interface, Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
-use eng_flexible::{Files, FlexibleError};
 use eng_system::mesh_files::Stated as _;
 
-struct Data;
-
-impl Files for Data {
-    fn open(&self, name: &str) -> io::Result<Box<dyn Read>> {
-        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/superelements");
-        Ok(Box::new(std::fs::File::open(folder.join(name))?))
-    }
-}
+const DATA: Data = Data("superelements");
 
 fn mesh(name: &str) -> Mesh {
-    read_bulk(&Data, &format!("{name}.pch")).unwrap_or_else(|error| panic!("{error}"))
+    read_bulk(&DATA, &format!("{name}.pch")).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn matrices(name: &str, of_mass: &str) -> Result<ForeignMatrices, FlexibleError> {
@@ -40,7 +31,7 @@ fn matrices(name: &str, of_mass: &str) -> Result<ForeignMatrices, FlexibleError>
         freedoms: None,
     };
     ForeignMatrices::read(
-        &Data,
+        &DATA,
         file(&stiffness_file, stiffness.1),
         file(&mass_file, mass.1),
         None,

@@ -91,7 +91,7 @@ proptest! {
     }
 
     #[test]
-    fn orbits_and_polar_diagrams(x in numbers(), y in numbers(), angle in numbers(), size in any::<f64>(), name in ".*") {
+    fn orbits_and_polar_diagrams(x in numbers(), y in numbers(), angle in numbers(), last_cycle in 0..10usize, size in any::<f64>(), name in ".*") {
         drawn(Orbits {
             title: name.clone(),
             subtitle: String::new(),
@@ -104,9 +104,10 @@ proptest! {
                 x: x.clone(),
                 y: y.clone(),
                 angle: angle.clone(),
+                last_cycle,
             }],
         })?;
-        let curve = PolarCurve { name: name.clone(), frame: name.clone(), x, y, angle: angle.clone() };
+        let curve = PolarCurve { name: name.clone(), frame: name.clone(), x, y, angle: angle.clone(), last_cycle };
         let turned = curve.turned(&angle, "pin");
         drawn(Polar {
             title: name.clone(),

@@ -5,7 +5,7 @@
 
 use crate::flexible::{Flexible, Work};
 pub use crate::frame::{BodyFrame, Weights};
-use crate::rotation::{M3, V3, matrix, skew};
+use crate::rotation::{M3, V3, add_block, matrix, skew};
 use eng_system::system::Origin;
 
 /// Inertia of a rigid body.
@@ -43,14 +43,6 @@ pub struct BodyModel {
 
 fn vector(x: &[f64]) -> V3 {
     V3::new(x[0], x[1], x[2])
-}
-
-fn put(out: &mut [f64], width: usize, row: usize, column: usize, block: &M3) {
-    for i in 0..3 {
-        for j in 0..3 {
-            out[(row + i) * width + column + j] += block[(i, j)];
-        }
-    }
 }
 
 impl BodyModel {
@@ -140,10 +132,10 @@ impl BodyModel {
         match &self.kind {
             BodyKind::Rigid(b) => {
                 let coupling = frame.rotation * skew(&b.center) * b.mass;
-                put(out, width, 0, 0, &(M3::identity() * b.mass));
-                put(out, width, 0, 3, &(-coupling));
-                put(out, width, 3, 0, &(-coupling.transpose()));
-                put(out, width, 3, 3, &b.inertia);
+                add_block(out, width, 0, 0, &(M3::identity() * b.mass));
+                add_block(out, width, 0, 3, &(-coupling));
+                add_block(out, width, 3, 0, &(-coupling.transpose()));
+                add_block(out, width, 3, 3, &b.inertia);
             }
             BodyKind::Flexible(b) => b.add_mass(frame, 1.0, work, out),
         }
@@ -173,7 +165,7 @@ impl BodyModel {
                 let c = skew(&b.center);
                 let w = skew(&omega);
                 let coupling = a * c * b.mass;
-                put(
+                add_block(
                     out,
                     width,
                     0,
@@ -184,14 +176,14 @@ impl BodyModel {
                 let centre_acceleration =
                     alpha.cross(&b.center) + omega.cross(&omega.cross(&b.center));
                 let by_turn = a * skew(&centre_acceleration) * (-b.mass) * turn;
-                put(
+                add_block(
                     out,
                     width,
                     0,
                     3,
                     &(coupling * (-weights.acceleration) + by_omega * weights.velocity + by_turn),
                 );
-                put(
+                add_block(
                     out,
                     width,
                     3,
@@ -200,7 +192,7 @@ impl BodyModel {
                 );
                 let gyroscopic = w * b.inertia - skew(&(b.inertia * omega));
                 let by_turn = c * skew(&(a.transpose() * acceleration)) * b.mass * turn;
-                put(
+                add_block(
                     out,
                     width,
                     3,

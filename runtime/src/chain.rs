@@ -24,7 +24,7 @@
 //! with δa at frozen ȧ.
 
 use crate::body::{BodyFrame, BodyModel};
-use crate::rotation::{M3, V3, exponential, matrix, skew, tangent, tangent_along};
+use crate::rotation::{M3, V3, add_block, exponential, matrix, skew, tangent, tangent_along};
 use crate::shape::MarkerShape;
 use eng_system::dense::add_six;
 
@@ -184,14 +184,6 @@ pub fn expand(shape: &[f64], block: &[f64], reach: usize, width: usize, out: &mu
     }
 }
 
-fn put(out: &mut [f64], width: usize, row: usize, column: usize, block: &M3) {
-    for i in 0..3 {
-        for j in 0..3 {
-            out[(row + i) * width + column + j] += block[(i, j)];
-        }
-    }
-}
-
 /// Pose and twist of a marker on ground.
 pub fn ground(marker: &MarkerModel) -> MarkerKinematics {
     MarkerKinematics {
@@ -291,12 +283,12 @@ pub fn jacobian_in_reach(rotation: &M3, placed: &Placed, out: &mut [f64]) {
     let width = placed.reach();
     out[..6 * width].fill(0.0);
     let back = placed.orientation.transpose();
-    put(out, width, 0, 0, &M3::identity());
-    put(out, width, 0, 3, &-(rotation * skew(&placed.position)));
-    put(out, width, 3, 3, &back);
+    add_block(out, width, 0, 0, &M3::identity());
+    add_block(out, width, 0, 3, &-(rotation * skew(&placed.position)));
+    add_block(out, width, 3, 3, &back);
     if let Some(bent) = &placed.bent {
-        put(out, width, 0, 6, rotation);
-        put(out, width, 3, 9, &(back * bent.turn));
+        add_block(out, width, 0, 6, rotation);
+        add_block(out, width, 3, 9, &(back * bent.turn));
     }
 }
 
@@ -307,16 +299,16 @@ pub fn twist_by_pose(rotation: &M3, placed: &Placed, motion: &Motion, out: &mut 
     let width = placed.reach();
     out[..6 * width].fill(0.0);
     let arm = motion.omega.cross(&placed.position) + motion.rate;
-    put(out, width, 0, 3, &-(rotation * skew(&arm)));
+    add_block(out, width, 0, 3, &-(rotation * skew(&arm)));
     if let Some(bent) = &placed.bent {
-        put(out, width, 0, 6, &(rotation * skew(&motion.omega)));
+        add_block(out, width, 0, 6, &(rotation * skew(&motion.omega)));
         let spin = motion.omega + bent.turn * motion.turning;
         let by_theta = skew(&spin) * bent.turn + tangent_along(&bent.theta, &motion.turning);
         let back = placed.orientation.transpose();
-        put(out, width, 3, 9, &(back * by_theta));
+        add_block(out, width, 3, 9, &(back * by_theta));
         if width == CURVED_REACH {
-            put(out, width, 0, 12, rotation);
-            put(out, width, 3, 15, &(back * bent.turn));
+            add_block(out, width, 0, 12, rotation);
+            add_block(out, width, 3, 15, &(back * bent.turn));
         }
     }
 }
@@ -330,16 +322,16 @@ pub fn force_by_pose(rotation: &M3, placed: &Placed, wrench: &[f64], out: &mut [
     let force = rotation.transpose() * V3::new(wrench[0], wrench[1], wrench[2]);
     let cross = skew(&force);
     out[..width * width].fill(0.0);
-    put(out, width, 3, 3, &(skew(&placed.position) * cross));
+    add_block(out, width, 3, 3, &(skew(&placed.position) * cross));
     if let Some(bent) = &placed.bent {
         let torque = placed.orientation * V3::new(wrench[3], wrench[4], wrench[5]);
         let torque_by_theta = -(skew(&torque) * bent.turn);
-        put(out, width, 3, 6, &-cross);
-        put(out, width, 3, 9, &torque_by_theta);
-        put(out, width, 6, 3, &cross);
+        add_block(out, width, 3, 6, &-cross);
+        add_block(out, width, 3, 9, &torque_by_theta);
+        add_block(out, width, 6, 3, &cross);
         let by_theta =
             bent.turn.transpose() * torque_by_theta - tangent_along(&-bent.theta, &torque);
-        put(out, width, 9, 9, &by_theta);
+        add_block(out, width, 9, 9, &by_theta);
     }
 }
 

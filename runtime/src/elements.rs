@@ -200,7 +200,7 @@ pub fn batches(model: &Model, elements: &[usize], outputs: bool) -> Vec<Batch> {
         let cells = cells.flat_map(|(element, _)| &model.kernels[*element]);
         let large = cells.filter(|kernel| kernel.grid().cells() >= LARGE);
         made.push(Batch {
-            shared: model.crew.is_some() && large.count() > 1,
+            shared: model.thread_pool.is_some() && large.count() > 1,
             tasks: Vec::new(),
             kept: Vec::new(),
             replaced: Vec::new(),
@@ -353,13 +353,13 @@ impl Batch {
                 worst = Some((at, trouble));
             }
         };
-        match model.crew.as_ref().filter(|_| self.shared) {
+        match model.thread_pool.as_ref().filter(|_| self.shared) {
             None => {
                 for (at, fields) in self.fields.iter_mut().enumerate() {
                     failed(at, field::work(fields, wanted));
                 }
             }
-            Some(crew) => {
+            Some(thread_pool) => {
                 let tasks = &mut self.tasks;
                 for (at, fields) in self.fields.iter_mut().enumerate() {
                     if fields.iter().any(|field| field.waits) {
@@ -372,7 +372,7 @@ impl Batch {
                     }
                 }
                 let sent = tasks.len();
-                crew.work(tasks);
+                thread_pool.work(tasks);
                 let lost = tasks.len() < sent;
                 for task in tasks.drain(..) {
                     self.fields[task.at] = task.fields;

@@ -1,7 +1,7 @@
 //! All errors between binding and the last sample.
 
 mod linearised;
-mod pace;
+mod step_limit;
 
 use eng_system::code::BindError;
 use eng_system::field::FieldError;
@@ -14,7 +14,7 @@ pub use linearised::{
     BothSides, Leaving, LeavingBody, NotBack, Timed, TimedElement, TurningBody, Varies,
 };
 use linearised::{changed, list_timed, list_turning};
-pub use pace::{Jump, Jumping, Pace, Slow};
+pub use step_limit::{Jump, Jumping, Slow, StepLimit};
 
 /// The moment of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -548,7 +548,7 @@ pub enum RuntimeError {
         short(*distance, 2),
         short(*lengths, 1)
     )]
-    Astray {
+    Runaway {
         /// When.
         moment: Moment,
         /// The body.

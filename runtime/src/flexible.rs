@@ -33,7 +33,7 @@
 //! the second-order displacement of the markers: see [`crate::shape`].
 
 use crate::frame::{BodyFrame, Weights};
-use crate::rotation::{M3, V3, skew};
+use crate::rotation::{M3, V3, add_block, skew};
 use eng_system::dense::{add_product, add_scaled, add_transposed, dot};
 use eng_system::reduced::{Block, Geometric, Invariants};
 use std::sync::Arc;
@@ -85,6 +85,19 @@ struct Shape {
     momentum: V3,
     /// S̈ at ä = 0.
     swing: V3,
+}
+
+impl Shape {
+    /// Rate of the momentum that the body has beyond that of its frame's origin, in body axes (N):
+    /// `ω̇ × S + ∂S/∂a ä + S̈ + ω × (ω × S) + 2 ω × Ṡ`, with the angular acceleration `alpha` and the second rates
+    /// ä of the amplitudes.
+    fn bending_force(&self, omega: &V3, alpha: &V3, second: &[f64]) -> V3 {
+        alpha.cross(&self.moment)
+            + rows(&self.translation, second.len(), second)
+            + self.swing
+            + omega.cross(&omega.cross(&self.moment))
+            + omega.cross(&self.momentum) * 2.0
+    }
 }
 
 /// Sets a length and zeros, without a new allocation if the capacity suffices.
@@ -270,11 +283,7 @@ impl Flexible {
         self.shape(a, rates, shape);
         let acceleration = V3::new(rate[0], rate[1], rate[2]) - gravity;
         let beta = frame.rotation.transpose() * acceleration;
-        let bent = alpha.cross(&shape.moment)
-            + rows(&shape.translation, n, second)
-            + shape.swing
-            + omega.cross(&omega.cross(&shape.moment))
-            + omega.cross(&shape.momentum) * 2.0;
+        let bent = shape.bending_force(&omega, &alpha, second);
         let force = acceleration * c.mass + frame.rotation * bent;
         let internal = shape.inertia * omega + rows(&shape.coupling, n, rates);
         let mut torque = shape.moment.cross(&beta)
@@ -379,28 +388,25 @@ impl Flexible {
         let rotation = &frame.rotation;
         let beta = rotation.transpose() * acceleration;
         let speed = weights.velocity;
-        let mut put = |row: usize, column: usize, block: &M3| {
-            for i in 0..3 {
-                for j in 0..3 {
-                    out[(row + i) * width + column + j] += block[(i, j)];
-                }
-            }
-        };
         let w = skew(&omega);
-        let bent = alpha.cross(&shape.moment)
-            + rows(&shape.translation, n, second)
-            + shape.swing
-            + omega.cross(&omega.cross(&shape.moment))
-            + omega.cross(&shape.momentum) * 2.0;
+        let bent = shape.bending_force(&omega, &alpha, second);
         let force_by_omega = (skew(&omega.cross(&shape.moment))
             + w * skew(&shape.moment)
             + skew(&shape.momentum) * 2.0)
             * (-speed);
-        put(0, 3, &(rotation * (force_by_omega - skew(&bent) * turn)));
+        add_block(
+            out,
+            width,
+            0,
+            3,
+            &(rotation * (force_by_omega - skew(&bent) * turn)),
+        );
         let internal = shape.inertia * omega + rows(&shape.coupling, n, rates);
         let inertia_rate = Self::inertia_rate(shape, rates);
         let torque_by_omega = (inertia_rate + w * shape.inertia - skew(&internal)) * speed;
-        put(
+        add_block(
+            out,
+            width,
             3,
             3,
             &(torque_by_omega + skew(&shape.moment) * skew(&beta) * turn),

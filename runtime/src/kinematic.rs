@@ -42,6 +42,7 @@ mod states;
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::simulation::Energy;
+use crate::start::turn::REACHED;
 use crate::state::State;
 use crate::transient::{Advance, Observer, Sample, Verdict, countable};
 use balance::Balance;
@@ -61,9 +62,6 @@ const STANDS: f64 = 1e-6;
 /// Rounds in which the time of a sample follows its angle. A choice: they are Newton's method, whose error
 /// squares from round to round.
 const RETIMED: usize = 12;
-/// Angle (rad) within which a sample is reached, for angles of a turn; it grows with the angle. Angles are
-/// rounded to 1e-15 of their size, and no result shows a smaller difference.
-const REACHED: f64 = 1e-12;
 
 /// The columns of a kinematic analysis after time and cycle, and the assumptions of its results.
 #[derive(Clone, Debug, PartialEq)]
@@ -234,7 +232,7 @@ fn grid(
                 Some(Extent::Angle(whole)) => whole,
                 _ => mechanism.period().unwrap_or(std::f64::consts::TAU),
             };
-            if rate.abs() <= STANDS * mechanism.fastest(start) || rate == 0.0 {
+            if rate.abs() <= STANDS * start.fastest_turn(&mechanism.model) || rate == 0.0 {
                 return Err(RuntimeError::CycleStands {
                     moment: Moment {
                         time: start.time,
@@ -293,6 +291,7 @@ impl Prepared {
                     let Some([now, speed]) = self.mechanism.cycle(state)? else {
                         return Err(RuntimeError::NoCycle);
                     };
+                    // the rounding of an angle grows with it
                     if (target - now).abs() <= REACHED * (1.0 + target.abs()) {
                         return Ok(());
                     }

@@ -26,10 +26,10 @@
 //! The changes of sign of a function of time alone are searched ahead of the steps, and its kink functions are
 //! the times since them. So no step passes two of them unseen.
 
-mod about;
-mod beside;
 mod clocks;
 mod crossing;
+mod location;
+mod neighbours;
 mod overlooked;
 mod points;
 mod slopes;
@@ -40,13 +40,13 @@ use crate::error::RuntimeError;
 use crate::inputs::Signals;
 use crate::model::Model;
 use crate::state::State;
-use beside::Neighbours;
 use clocks::{Change, Clock, KEPT};
 use crossing::same_side;
 use eng_system::code::{Function, Pair};
 use eng_system::dimension::Dimension;
 use eng_system::layout::InputLayout;
 use eng_system::system::{Course, Kink, Origin};
+use neighbours::Neighbours;
 pub use overlooked::Overlooked;
 use points::Points;
 use slopes::Sloped;

@@ -171,10 +171,7 @@ fn unit_gradients(
     rest: &State,
     velocities: &[usize],
 ) -> Result<Gradients, RuntimeError> {
-    let constraining: Vec<usize> = (0..model.elements.len())
-        .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
-        .collect();
-    let rows = Rows::new(model, constraining);
+    let rows = Rows::new(model, model.constraining().collect());
     let (mut values, mut matrix) = rows.gradients(model, &at(rest), Along::Pose)?;
     rows.scale_gradients(model, &mut values, &mut matrix);
     let (gradients, _) = matrix.columns(velocities, |_| 1.0).unit_rows();

@@ -6,10 +6,10 @@ mod bind;
 
 use crate::body::{BodyKind, BodyModel};
 pub use crate::chain::MarkerModel;
-use crate::crew::Crew;
 use crate::error::NamedRow;
 use crate::rotation::V3;
 use crate::surface::SurfaceModel;
+use crate::thread_pool::ThreadPool;
 use eng_system::code::Compiled;
 use eng_system::dense::largest_scaled;
 use eng_system::dimension::Dimension;
@@ -21,6 +21,9 @@ use std::sync::Arc;
 /// second derivatives of the positions. In an engine with film bearings this share keeps them right within a
 /// per cent of their own swing, and positions far better.
 pub const STEP_SHARE: f64 = 0.1;
+/// Largest position tolerance as a part of the model's length. A choice: with [`STEP_SHARE`] a step is right to 1e-7 of
+/// the length.
+pub const TOLERANCE_OF_LENGTH: f64 = 1e-6;
 /// Least error of a step, as a share of the model's length, that is distinguishable from rounding: about a
 /// hundred rounding units of a position.
 pub const LEAST_ERROR: f64 = 1e-14;
@@ -76,7 +79,7 @@ pub struct Model {
     /// Kernels of the fields of each element.
     pub kernels: Vec<Vec<Arc<dyn FieldKernel>>>,
     /// Threads that work on them; none if there is one thread.
-    pub crew: Option<Arc<Crew>>,
+    pub thread_pool: Option<Arc<ThreadPool>>,
     /// Count of numbers that the fields remember.
     pub memory: usize,
     /// Elastic surfaces that fields press on.
@@ -115,6 +118,16 @@ impl Model {
     /// The class of an element.
     pub fn class(&self, element: usize) -> &ElementClass {
         &self.compiled.system.classes[self.elements[element].class]
+    }
+
+    /// Whether an element constrains: it acts, and its class has constraint equations.
+    pub fn constrains(&self, element: usize) -> bool {
+        self.elements[element].dynamic && !self.class(element).rows.is_empty()
+    }
+
+    /// The elements that constrain, in their order.
+    pub fn constraining(&self) -> impl Iterator<Item = usize> {
+        (0..self.elements.len()).filter(|element| self.constrains(*element))
     }
 
     /// The element and the name of a state, by its place among all states.

@@ -578,8 +578,8 @@ impl Observer for Cycles<'_> {
         })
     }
 
-    fn paced(&mut self, slow: &Slow) {
-        self.observer.paced(slow);
+    fn short_steps(&mut self, slow: &Slow) {
+        self.observer.short_steps(slow);
     }
 
     fn warning(&mut self, warning: &Warning) {

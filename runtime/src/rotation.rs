@@ -174,6 +174,15 @@ pub fn inverse_tangent(theta: &V3) -> M3 {
     M3::identity() + t * 0.5 + t * t * c
 }
 
+/// Adds a block to a matrix stored by rows of `width` numbers.
+pub fn add_block(out: &mut [f64], width: usize, row: usize, column: usize, block: &M3) {
+    for i in 0..3 {
+        for j in 0..3 {
+            out[(row + i) * width + column + j] += block[(i, j)];
+        }
+    }
+}
+
 /// Rotation vector of a quaternion, |θ| ≤ π. In rad, in the axes of both frames.
 pub fn logarithm(q: &Quaternion) -> V3 {
     let q = if q[0] < 0.0 { q.map(|x| -x) } else { *q };
@@ -197,6 +206,19 @@ pub fn turn_between(from: &[f64], to: &[f64]) -> V3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_turns_keep_their_digits_and_signs_of_quaternions_do_not_count() {
+        let of = |angle: f64| [libm::cos(0.5 * angle), 0.0, 0.0, libm::sin(0.5 * angle)];
+        for turn in [1e-12, 1e-5, 0.7, 3.0] {
+            let (a, b) = (of(0.4), of(0.4 + turn));
+            assert!(
+                (turn_between(&a, &b).norm() / turn - 1.0).abs() < 1e-3,
+                "{turn}"
+            );
+            assert!((turn_between(&a, &b.map(|x| -x)).norm() / turn - 1.0).abs() < 1e-3);
+        }
+    }
 
     #[test]
     fn tangent_is_the_derivative_of_the_exponential() {

@@ -1,17 +1,17 @@
 //! A simulation: one parameter set of a compiled model, its state, and all data to integrate it.
 
-mod astray;
 mod beginning;
 mod demanded;
 mod driving;
 mod gradients;
 mod kinked;
 mod leaping;
-mod pace;
 mod reading;
 mod resting;
+mod runaway;
 mod sampling;
 mod saving;
+mod step_limit;
 mod stepping;
 mod stopping;
 
@@ -20,7 +20,7 @@ use crate::assembled::Assembled;
 use crate::checkpoint;
 use crate::control::{FixedGrid, StepSize};
 use crate::dynamics::Dynamics;
-pub use crate::error::{Jump, Jumping, Pace, Slow};
+pub use crate::error::{Jump, Jumping, Slow, StepLimit};
 use crate::error::{Moment, RuntimeError};
 use crate::field::Demand;
 use crate::integrator::{Damped, Goal, Integrator, Statistics};
@@ -31,15 +31,15 @@ use crate::outputs::{Outputs, Watch};
 use crate::rotation::{M3, V3};
 use crate::start::{self, StartReport};
 use crate::state::State;
-use astray::Astray;
 use eng_system::analysis::Integration;
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 pub use gradients::{Gradients, SampleGradient};
 pub use leaping::Section;
-use pace::Limit;
 pub use reading::Reading;
+use runaway::Runaway;
 use std::sync::OnceLock;
+use step_limit::Limit;
 pub use stopping::Stopped;
 use stopping::Stopping;
 
@@ -204,7 +204,7 @@ pub struct Simulation {
     /// Cycle angle and rate of the dense output at both ends of the last step, if a sample asked for them.
     cycle_at_ends: Option<[[f64; 2]; 2]>,
     cycle_start: f64,
-    astray: Astray,
+    runaway: Runaway,
     advised: Vec<bool>,
     /// Names and places of failed `advise`s on parameters that follow inputs, since the start or the resumption.
     advised_inputs: Vec<(String, Origin)>,
@@ -334,7 +334,7 @@ impl Simulation {
             cycle_now: None,
             cycle_at_ends: None,
             cycle_start: 0.0,
-            astray: Astray::begin(&model, &state),
+            runaway: Runaway::begin(&model, &state),
             advised: vec![false; conditions],
             advised_inputs: (model.advice.iter())
                 .map(|advice| (advice.name.clone(), advice.origin.clone()))

@@ -20,12 +20,12 @@
 
 pub mod balance;
 pub mod eccentricity;
-pub mod followed;
 pub mod hanging;
 pub mod motion;
 pub(crate) mod picking;
 mod source;
 pub mod turn;
+pub mod turn_extremes;
 
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;

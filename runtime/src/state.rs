@@ -1,5 +1,6 @@
 //! The state on R³ × SO(3) × Rⁿ with its rates.
 
+use crate::body::BodyModel;
 use crate::model::Model;
 use crate::rotation::{Quaternion, V3, exponential, normalized, product, turn_between};
 
@@ -27,9 +28,18 @@ pub struct State {
 impl State {
     /// The rate (1/s) at which the motion covers the scale of a velocity, which is the model's length or a
     /// radian: the largest scaled velocity, or the root of the largest scaled acceleration if that is larger.
-    pub fn pace(&self, model: &Model) -> f64 {
+    pub fn motion_rate(&self, model: &Model) -> f64 {
         let acceleration = model.largest(&self.acceleration);
         model.largest(&self.velocity).max(libm::sqrt(acceleration))
+    }
+
+    /// The highest angular speed of a body (rad/s).
+    pub fn fastest_turn(&self, model: &Model) -> f64 {
+        let speed = |body: &BodyModel| {
+            let turning = &self.velocity[body.velocity + 3..body.velocity + 6];
+            libm::sqrt(turning.iter().map(|x| x * x).sum::<f64>())
+        };
+        model.bodies.iter().map(speed).fold(0.0, f64::max)
     }
 
     /// All bodies at the origin, at rest.
@@ -83,6 +93,12 @@ pub fn move_pose(model: &Model, pose: &[f64], increment: &[f64], factor: f64, ou
 /// The increment from one position to another, the inverse of [`move_pose`].
 pub fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; model.velocities];
+    offset_into(model, from, to, &mut out);
+    out
+}
+
+/// [`offset`] without a new list.
+pub fn offset_into(model: &Model, from: &[f64], to: &[f64], out: &mut [f64]) {
     for body in &model.bodies {
         let (p, v) = (body.pose, body.velocity);
         for i in 0..3 {
@@ -94,5 +110,4 @@ pub fn offset(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
             out[v + 6 + i] = to[p + 7 + i] - from[p + 7 + i];
         }
     }
-    out
 }

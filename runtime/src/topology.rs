@@ -42,9 +42,7 @@ pub struct TopologyReport {
 
 /// Counts the freedoms at an assembled state.
 pub fn analyze(model: &Model, state: &State) -> Result<TopologyReport, RuntimeError> {
-    let elements: Vec<usize> = (0..model.elements.len())
-        .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
-        .collect();
+    let elements: Vec<usize> = model.constraining().collect();
     let rows = Rows::new(model, elements.clone());
     let mut best = Rank::of(model, &rows, state)?;
     if best.dependent.is_empty() {

@@ -75,7 +75,7 @@ impl Advance {
 pub enum Verdict {
     /// Continue the run.
     GoOn,
-    /// Call [`Observer::paced`] with the cause of the short steps, then continue the run.
+    /// Call [`Observer::short_steps`] with the cause of the short steps, then continue the run.
     Explain,
     /// End the run with [`RuntimeError::Stopped`].
     Stop,
@@ -113,7 +113,7 @@ pub trait Observer {
         Verdict::GoOn
     }
     /// Takes the cause of short steps, after [`Verdict::Explain`].
-    fn paced(&mut self, _slow: &Slow) {}
+    fn short_steps(&mut self, _slow: &Slow) {}
     /// Takes a failed `advise`, each once.
     fn warning(&mut self, _warning: &Warning) {}
     /// Called at the start of a run by cycles. It may change the steps. Returns the distance of the samples and the largest
@@ -163,7 +163,7 @@ pub struct RunSummary {
 
 /// Steps without progress of the cycle after which a run by angle gives up. A choice: a cycle that waits some
 /// seconds for its start takes fewer.
-const PATIENCE: u64 = 200_000;
+pub(crate) const PATIENCE: u64 = 200_000;
 /// Share of the sample distance below which a grid point is the end itself. A choice: above the rounding of
 /// sums of distances, and far below a distance that a figure shows.
 const SAME: f64 = 1e-6;
@@ -528,7 +528,7 @@ pub(crate) fn follow(
     ends: bool,
 ) -> Result<(), RuntimeError> {
     match observer.progress(advance) {
-        Verdict::Explain => observer.paced(&simulation.slow()),
+        Verdict::Explain => observer.short_steps(&simulation.slow()),
         Verdict::Stop if !ends => return Err(RuntimeError::Stopped(simulation.slow())),
         Verdict::GoOn | Verdict::Stop => {}
     }

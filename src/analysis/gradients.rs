@@ -4,12 +4,12 @@ use super::Analysis;
 use crate::error::Error;
 use crate::results::{
     Column, Gradient, Results, ResultsError, derivative_of, derived_from, gradients_file,
-    write_gradients,
+    remove_if_there, write_gradients,
 };
 use eng_runtime::SampleGradient;
 use eng_system::analysis::{Named, Names};
 use eng_system::recorded::{Recorded, recorded};
-use eng_system::system::{AnalysisKind, Location};
+use eng_system::system::Location;
 
 impl Analysis {
     /// Differentiates the channels by parameters, in place of those of the text: see [`Outcome::gradients`]. In a path `[*]`
@@ -48,10 +48,10 @@ impl Analysis {
                 Ok(_) => Error::OtherModel,
             });
         }
-        match &mut self.plan.kind {
-            AnalysisKind::Transient(transient) => transient.gradients = named,
-            _ if named.is_empty() => {}
-            _ => {
+        match self.plan.kind.gradients_mut() {
+            Some(gradients) => *gradients = named,
+            None if named.is_empty() => {}
+            None => {
                 return Err(Error::NoGradients {
                     analysis: self.name().to_owned(),
                 });
@@ -62,13 +62,13 @@ impl Analysis {
 
     /// The gradients of a run that begins.
     pub(super) fn gradient_columns(&self) -> Vec<GradientColumns> {
-        let AnalysisKind::Transient(transient) = &self.plan.kind else {
+        let Some(gradients) = self.plan.kind.gradients() else {
             return Vec::new();
         };
         let system = &self.model.compiled().system;
         let known = system.paths_of(Names::Parameters);
         // the run itself reports wrong names; here they give no columns
-        let found = Names::Parameters.indices(&transient.gradients, &known);
+        let found = Names::Parameters.indices(gradients, &known);
         let parameters = found.unwrap_or_default().into_iter();
         let found = parameters.filter_map(|index| system.parameters.get(index));
         found
@@ -114,12 +114,7 @@ impl Analysis {
         if !gradients.is_empty() {
             return write_gradients(&path, gradients, of);
         }
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(ResultsError::File { path, source })
-            }
-            _ => Ok(()),
-        }
+        remove_if_there(&path)
     }
 }
 

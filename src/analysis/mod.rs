@@ -19,12 +19,12 @@ use eng_compiler::elaborate::{AnalysisPlan, Structural};
 use eng_runtime::linearised::FrequencyResponse;
 use eng_runtime::start::turn::{Turned, turn};
 use eng_runtime::{
-    Advance, Assembled, LinearModes, Pace, PeriodicSummary, RunSummary, Slow, StartReport, Verdict,
-    Warning,
+    Advance, Assembled, LinearModes, PeriodicSummary, RunSummary, Slow, StartReport, StepLimit,
+    Verdict, Warning,
 };
 use eng_system::code::BindError;
 use eng_system::significant::short;
-use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Start, StepControl};
+use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Rows, Start, StepControl};
 use std::num::NonZeroUsize;
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -86,7 +86,7 @@ pub trait Watch {
     /// Called after every step.
     fn progress(&mut self, now: Progress) -> Verdict;
     /// Takes the cause of short steps, after [`Verdict::Explain`].
-    fn paced(&mut self, _slow: &Slow) {}
+    fn short_steps(&mut self, _slow: &Slow) {}
 }
 
 impl<F: FnMut(Progress) -> Verdict> Watch for F {
@@ -419,10 +419,8 @@ impl Analysis {
     pub(crate) fn fields(&self) -> Result<Vec<RecordedField>, Error> {
         let compiled = self.model.compiled();
         let without = |element: &eng_system::system::Element| element.fields.is_empty();
-        // a film has no pressure in a kinematic analysis
-        if matches!(self.plan.kind, AnalysisKind::Kinematic(_))
-            || compiled.system.elements.iter().all(without)
-        {
+        // a film without forces has no pressure
+        if self.plan.kind.is_prescribed() || compiled.system.elements.iter().all(without) {
             return Ok(Vec::new());
         }
         let bound = eng_runtime::model::Model::bind(compiled, &self.overrides);
@@ -568,7 +566,9 @@ impl Analysis {
         };
         let of_analysis = match &cause {
             RuntimeError::Options { .. } => true,
-            RuntimeError::Stopped(slow) => matches!(*slow.pace, Pace::Stated | Pace::Samples),
+            RuntimeError::Stopped(slow) => {
+                matches!(*slow.limit, StepLimit::Stated | StepLimit::Samples)
+            }
             _ => false,
         };
         let argument = match &cause {
@@ -578,7 +578,7 @@ impl Analysis {
             _ => None,
         };
         let note = note.or_else(|| self.apart(&cause));
-        let of_response = matches!(self.plan.kind, AnalysisKind::Response(_));
+        let of_response = self.plan.kind.rows() == Rows::Frequencies;
         let help = of_response
             .then(|| crate::failure::help_of_response(&cause))
             .flatten();
@@ -611,11 +611,10 @@ impl Analysis {
     /// Assembles the model at the start of the analysis, and counts its freedoms.
     pub fn topology(&self) -> Result<eng_runtime::TopologyReport, Error> {
         let assembled = self.assembled().map_err(|cause| self.error(cause))?;
-        if let AnalysisKind::Kinematic(kinematic) = &self.plan.kind {
-            let compiled = self.model.compiled();
-            return eng_runtime::kinematic_columns(compiled, &self.overrides, kinematic)
-                .and_then(|_| assembled.topology().cloned())
-                .map_err(|cause| self.error(cause));
+        if let Some(determined) = self.determined() {
+            determined?;
+            let topology = assembled.topology().cloned();
+            return topology.map_err(|cause| self.error(cause));
         }
         let begins = |start: Start| {
             let options = eng_runtime::Options {

@@ -1,18 +1,15 @@
 //! Records the motion of a run for its results: see [`crate::motion`].
 
+use crate::cycle::SLACK;
 use crate::machine::cycle_period;
 use crate::motion::{SAMPLES, SUFFIX};
 use crate::recorded_field::RecordedField;
-use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, Trail};
+use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, RowLog, display_unit};
 use crate::{Analysis, Error};
 use eng_runtime::Sample;
 use eng_system::system::BodyInertia;
 use eng_system::{Dimension, DisplayUnit};
 use std::collections::{BTreeMap, VecDeque};
-
-/// Slack (rad) in the search for the beginning of the last cycle. Angles of some cycles are rounded to 1e-14,
-/// and samples are far more apart.
-const SLACK: f64 = 1e-6;
 
 /// Positions, orientation, amplitudes and the numbers of fields during a run.
 #[derive(Debug)]
@@ -20,7 +17,7 @@ pub(super) struct Motion {
     period: Option<f64>,
     kept: VecDeque<Moment>,
     /// All samples, if the run can be resumed.
-    trail: Option<Trail>,
+    log: Option<RowLog>,
 }
 
 #[derive(Debug)]
@@ -32,7 +29,7 @@ struct Moment {
 }
 
 impl Moment {
-    /// A moment from the numbers of a trail.
+    /// A moment from the numbers of a log.
     fn of_row(row: &[f64], with_cycle: bool) -> Moment {
         let (head, numbers) = row.split_at(row.len().min(1 + usize::from(with_cycle)));
         Moment {
@@ -48,15 +45,15 @@ impl Motion {
     pub fn begin(analysis: &Analysis, resumed: Option<u64>) -> Result<Motion, Error> {
         let mut motion = Motion::of(analysis);
         if let Some(folder) = analysis.recorded_to() {
-            let header = trail_columns_of(analysis)?;
+            let header = log_columns_of(analysis)?;
             let with_cycle = analysis.model().compiled().system.cycle.is_some();
-            let trail = match resumed {
-                None => Trail::create(folder, &header)?,
-                Some(samples) => Trail::resume(folder, &header, samples, |row| {
+            let log = match resumed {
+                None => RowLog::create(folder, &header)?,
+                Some(samples) => RowLog::resume(folder, &header, samples, |row| {
                     motion.keep(Moment::of_row(row, with_cycle));
                 })?,
             };
-            motion.trail = Some(trail);
+            motion.log = Some(log);
         }
         Ok(motion)
     }
@@ -71,7 +68,7 @@ impl Motion {
         };
         let mut motion = Motion::of(analysis);
         let with_cycle = analysis.model().compiled().system.cycle.is_some();
-        let found = Trail::left(folder, &name_of(analysis), |row| {
+        let found = RowLog::left(folder, &name_of(analysis), |row| {
             motion.keep(Moment::of_row(row, with_cycle));
         })?;
         match found {
@@ -87,18 +84,18 @@ impl Motion {
         Motion {
             period: period.filter(|p| *p > 0.0),
             kept: VecDeque::new(),
-            trail: None,
+            log: None,
         }
     }
 
     /// Adds a sample.
     pub fn push(&mut self, sample: &Sample<'_>) -> Result<(), ResultsError> {
-        if let Some(trail) = &mut self.trail {
+        if let Some(log) = &mut self.log {
             let row = std::iter::once(sample.time)
                 .chain(sample.cycle_angle)
                 .chain(sample.pose.iter().copied())
                 .chain(sample.fields.iter().copied());
-            trail.push(row)?;
+            log.push(row)?;
         }
         self.keep(Moment {
             time: sample.time,
@@ -126,14 +123,14 @@ impl Motion {
     /// Writes all samples to disk. It comes before a checkpoint that counts them, and before the results are
     /// complete.
     pub fn save(&mut self) -> Result<(), ResultsError> {
-        match &mut self.trail {
-            Some(trail) => trail.save(),
+        match &mut self.log {
+            Some(log) => log.save(),
             None => Ok(()),
         }
     }
 
     /// The motion as columns, with the metadata of the run. If the run has a folder, they are written there,
-    /// and the trail ends.
+    /// and the log ends.
     pub fn results(
         mut self,
         analysis: &Analysis,
@@ -183,8 +180,8 @@ impl Motion {
             if results.samples() > 0 {
                 results.write_parquet(folder)?;
             }
-            drop(self.trail.take());
-            Trail::remove(folder, &name_of(analysis))?;
+            drop(self.log.take());
+            RowLog::remove(folder, &name_of(analysis))?;
         }
         Ok(results)
     }
@@ -216,11 +213,7 @@ fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
             header.push(Column {
                 path: format!("{path}.{name}"),
                 dimension,
-                display: DisplayUnit {
-                    symbol: unit.to_owned(),
-                    scale: 1.0,
-                    offset: 0.0,
-                },
+                display: display_unit(unit, 1.0),
                 frame: frame.to_owned(),
                 values: Vec::new(),
             })
@@ -248,7 +241,7 @@ fn columns_of(analysis: &Analysis) -> Result<Results, Error> {
 }
 
 /// [`columns_of`], all shown in SI.
-fn trail_columns_of(analysis: &Analysis) -> Result<Results, Error> {
+fn log_columns_of(analysis: &Analysis) -> Result<Results, Error> {
     let header = columns_of(analysis)?;
     let mut plain = header.without_columns();
     for column in header.columns() {

@@ -65,7 +65,7 @@ impl Analysis {
         };
         let mut recorder = Recorder {
             table,
-            audited: !matches!(self.plan.kind, AnalysisKind::Kinematic(_)),
+            audited: !self.plan.kind.is_prescribed(),
             refused: None,
             resumed: point.is_some(),
             warnings: point.iter().flat_map(|p| &p.warnings).map(given).collect(),
@@ -223,6 +223,16 @@ impl Analysis {
         }
     }
 
+    /// The channels that joints and drives determine, of a kinematic analysis.
+    pub(super) fn determined(&self) -> Option<Result<Determined, Error>> {
+        let AnalysisKind::Kinematic(kinematic) = &self.plan.kind else {
+            return None;
+        };
+        let compiled = self.model.compiled();
+        let found = eng_runtime::kinematic_columns(compiled, &self.overrides, kinematic);
+        Some(found.map_err(|cause| self.error(cause)))
+    }
+
     /// All columns without values, in the order of [`Recorder::sample`], with the metadata known before the
     /// run.
     pub(crate) fn header(&self) -> Result<Results, Error> {
@@ -234,11 +244,8 @@ impl Analysis {
             let bound = eng_runtime::model::Model::bind(self.model.compiled(), &self.overrides)
                 .map_err(|cause| self.error(cause))?;
             crate::modes::push_columns(&mut results, &bound)?;
-        } else if let AnalysisKind::Kinematic(kinematic) = &self.plan.kind {
-            let compiled = self.model.compiled();
-            let determined = eng_runtime::kinematic_columns(compiled, &self.overrides, kinematic);
-            let determined = determined.map_err(|cause| self.error(cause))?;
-            crate::kinematic::push_columns(&mut results, system, &determined)?;
+        } else if let Some(determined) = self.determined() {
+            crate::kinematic::push_columns(&mut results, system, &determined?)?;
         } else {
             self.push_samples(&mut results)?;
         }
@@ -553,8 +560,8 @@ impl Observer for Recorder<'_> {
         })
     }
 
-    fn paced(&mut self, slow: &Slow) {
-        self.watch.paced(slow);
+    fn short_steps(&mut self, slow: &Slow) {
+        self.watch.short_steps(slow);
     }
 
     fn warning(&mut self, warning: &Warning) {

@@ -183,11 +183,8 @@ fn nearest(asked: &str) -> Option<&'static str> {
         whole.then(|| digits.to_owned())
     };
     let wanted = number(&asked);
-    codes::all()
+    let known = codes::all()
         .into_iter()
-        .filter(|code| wanted.is_none() || number(code.code) == wanted)
-        .map(|code| (strsim::damerau_levenshtein(&asked, code.code), code.code))
-        .min_by_key(|(distance, _)| *distance)
-        .filter(|(distance, _)| *distance <= 2)
-        .map(|(_, code)| code)
+        .filter(|code| wanted.is_none() || number(code.code) == wanted);
+    eng_grammar::nearest(&asked, known.map(|code| code.code))
 }

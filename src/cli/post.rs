@@ -14,7 +14,7 @@ use crate::run::RunOutcome;
 use std::path::Path;
 
 /// Prints the reports about the analyses of this call, together with earlier results in the folder, and
-/// writes their figures. Returns whether all conditions of the reports hold, and the results give all entries.
+/// writes their figures. Returns true if all conditions of the reports hold and the results give all entries.
 pub(super) fn reports(
     outcomes: &[RunOutcome],
     arguments: &RunArguments,

@@ -11,6 +11,7 @@ use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM, post, study};
 use crate::analysis::Analysis;
 use crate::error::Error;
 use crate::figures;
+use crate::indexed::base;
 use crate::post::Run;
 use crate::program::Program;
 use crate::quantity::{Quantity, QuantityError};
@@ -249,7 +250,7 @@ fn over_points(
     };
     let missing: Vec<&str> = failures
         .iter()
-        .filter(|name| name.split('[').next() == Some(table.analysis()))
+        .filter(|name| base(name) == table.analysis())
         .map(String::as_str)
         .collect();
     if !missing.is_empty() {
@@ -343,7 +344,7 @@ pub(super) fn chosen<'a>(
         let found: Vec<&str> = known
             .iter()
             .copied()
-            .filter(|name| *name == asked || name.split('[').next() == Some(asked.as_str()))
+            .filter(|name| *name == asked || base(name) == asked)
             .collect();
         if found.is_empty() {
             writeln!(

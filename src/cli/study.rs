@@ -11,6 +11,7 @@ use super::terminal::Terminal;
 use super::{MODEL_WRONG, Refusal, Stop};
 use crate::analysis::Analysis;
 use crate::counted::counted;
+use crate::indexed::base;
 use crate::program::Program;
 use crate::run::{Event, in_words};
 use crate::study::{
@@ -33,7 +34,7 @@ fn only(program: &Program, stated: &[String]) -> Result<String, Refusal> {
     }
     let mut names: Vec<String> = Vec::new();
     for name in program.analyses() {
-        let base = name.split('[').next().unwrap_or(name).to_owned();
+        let base = base(name).to_owned();
         if !names.contains(&base) {
             names.push(base);
         }

@@ -21,7 +21,7 @@ const SLOWER: f64 = 0.5;
 /// Share of the cycle's speed below which a shell swings with a rod and does not turn with a shaft. A rod
 /// that is twice as long as its throw reaches it at a dead centre, and most rods are longer.
 const SWINGS: f64 = 0.5;
-/// Offset along a line, in radii of gyration, from which on two bodies are beside each other. For a piston
+/// Least offset along a line, in radii of gyration, of two bodies that are beside each other. For a piston
 /// under gas the offset counts in bores: rods that share a pin are an eighth of a bore to its sides, and a
 /// small end with a width of a quarter of a bore would touch the pin's bosses. Twice a radius of gyration is
 /// a choice: a body ends at about that.
@@ -212,7 +212,7 @@ impl Start<'_> {
         };
         let placed = (0..self.model.elements.len()).any(|e| {
             let of_start = matches!(system.elements[e].role, Role::StartPosition { .. });
-            let holds = self.model.elements[e].dynamic && !self.model.class(e).rows.is_empty();
+            let holds = self.model.constrains(e);
             // the assembly puts a pin into the middle of its shell, and a contact to its reach
             let places = !system.elements[e].places.is_empty();
             e != element && touches(e) && (of_start || holds || places)

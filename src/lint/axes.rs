@@ -6,7 +6,7 @@ use crate::codes;
 use eng_system::lint;
 use eng_system::system::Role;
 
-/// Two axes are not parallel from this angle (rad) between them on. At 5° an angle differs by up to 0.11°
+/// Least angle (rad) between two axes that are not parallel. At 5° an angle differs by up to 0.11°
 /// from that of the shaft, by the relation of a universal joint, `tan a' = cos 5° tan a`. Clearances leave
 /// the pin of a film less than a tenth of this. The angle is a choice between these.
 const ASKEW: f64 = 5.0 * std::f64::consts::PI / 180.0;

@@ -138,8 +138,8 @@ impl Start<'_> {
             .collect()
     }
 
-    /// Places of the start velocities of the shaft behind a coupling's end (of the bodies that joints tie to
-    /// it, without the ground), and of the support of its slower end.
+    /// The places where the text states how fast the ends of a coupling turn. These are the start velocities of
+    /// the bodies that joints tie to one end, without the ground, and the support of the slower end.
     pub(super) fn what_turns(&self, end: usize, slower: usize) -> Vec<Origin> {
         let system = &self.model.compiled.system;
         let body_of = |marker: &usize| self.model.markers[*marker].body;

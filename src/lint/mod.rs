@@ -33,7 +33,7 @@ pub(crate) struct Finding {
     pub origin: Origin,
     /// The message, with values.
     pub message: String,
-    /// The label at its place, behind the path of the object; empty where the path alone says enough.
+    /// The label at its place, after the path of the object; empty if the path alone says enough.
     pub label: String,
     /// The remedy.
     pub help: String,

@@ -43,7 +43,7 @@ const STEEL: f64 = 7_800.0;
 /// other arm, says little about where the centre should be.
 const OTHER_SIDE: f64 = 0.02;
 /// An analysis removes a mass if it sets less than this share of the stated mass. A choice: a variation of a
-/// mass stays far above it, and who removes one mostly sets a number near zero.
+/// mass stays far above it, and an analysis that removes a mass mostly sets a number near zero.
 const TAKEN_AWAY: f64 = 0.01;
 /// Markers are on one line if at most this share of their sum of squares is across it. A choice: it allows an
 /// offset of about a third of the distance along the line.

@@ -11,8 +11,8 @@ use crate::machine::at;
 use eng_runtime::assembly::rows;
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
-use eng_runtime::start::followed::Following;
 use eng_runtime::start::turn::{Place, Turned, turn};
+use eng_runtime::start::turn_extremes::Following;
 use eng_runtime::{Assembled, RuntimeError};
 use eng_system::code::{Bound, Compiled};
 use eng_system::system::{Depth, Element, FiringInfo, Origin, Role, Slot, System};
@@ -32,8 +32,8 @@ const NO_STROKE: f64 = 1e-3;
 /// A body counts as fixed if it moves by less than this share of the other's motion. A choice: a head on a
 /// flexible or elastically mounted block moves a little, and two pistons in one bore move alike.
 const STANDS: f64 = 0.1;
-/// The engine is upside down from this cosine of the angle between gravity and the bores (towards the heads)
-/// on. A choice: 60°, so that engines on their sides have no message.
+/// Least cosine of the angle between gravity and the bores (towards the heads) of an engine that is upside
+/// down. A choice: 60°, so that engines on their sides have no message.
 const UPSIDE_DOWN: f64 = 0.5;
 /// Angles (rad) between a bore and the crankshaft that no machine has: an engine's bores are perpendicular to
 /// it, those of an axial machine parallel. The limits are a choice, some degrees from both.
@@ -323,7 +323,7 @@ impl Watched<'_> {
                         .iter()
                         .any(|m| model.markers[*m].body == body)
                 };
-                element.dynamic && !model.class(e).rows.is_empty() && bodies.into_iter().all(on)
+                model.constrains(e) && bodies.into_iter().all(on)
             });
             let crank = cycle_markers(model).and_then(|[turning, _]| model.markers[turning].body);
             // in a rotary engine the block turns, and it guides the piston
@@ -347,7 +347,7 @@ impl Watched<'_> {
         let [piston, head] = self.markers.map(of);
         let mut elements = model.elements.iter().enumerate();
         let rod = elements.find_map(|(index, element)| {
-            let joins = element.dynamic && !model.class(index).rows.is_empty();
+            let joins = model.constrains(index);
             let bodies = || element.markers.iter().map(|m| of(*m));
             (joins && bodies().any(|b| b == piston))
                 .then(|| bodies().find(|b| *b != piston && *b != head && b.is_some()))

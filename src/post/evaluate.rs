@@ -1,11 +1,11 @@
 //! Expressions over results.
 
 use super::operation::{component_of, filtered, reduced, resampled};
-use super::reach::{extent_text, limit_text};
+use super::sampling_limits::{extent_text, limit_text};
 use super::track::{Samples, Track};
 use super::{PostError, Run};
+use crate::cycle::{SLACK, shifted, since};
 use crate::results::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
-use crate::tables::shifted;
 use eng_system::expression::{Chosen, Expression, Function, Limit, Operator, Part};
 use eng_system::recorded::{FREQUENCY, MODE, PHASE};
 use eng_system::significant::short;
@@ -224,8 +224,8 @@ impl<'r> Evaluator<'r> {
         }
     }
 
-    /// The value of a column at a frequency (Hz): of the cubic through its four neighbours over the logarithm of the
-    /// frequency. An amplitude is interpolated in logarithms too, and a phase goes the shorter way.
+    /// The value of a column at a frequency (Hz). It lies on the cubic through the four neighbours over the logarithm
+    /// of the frequency. An amplitude is interpolated in logarithms, too, and a phase goes the shorter way.
     fn at_frequency(&self, frequency: f64, of: &Expression) -> Result<f64, PostError> {
         let track = self.track(of)?;
         let (frequencies, values) = (&track.samples.time, &track.values);
@@ -347,16 +347,6 @@ impl<'r> Evaluator<'r> {
         };
         let samples = &track.samples;
         let period = self.run(&samples.analysis)?.machine.cycle_period;
-        // the first sample of the part; the angle may increase or decrease
-        let since = |values: &[f64], length: f64, slack: f64| {
-            let (first, last) = (values.first()?, values.last()?);
-            let far = |value: &f64, length: f64| (last - value).abs() > length;
-            if !far(first, length - slack) {
-                return None;
-            }
-            let before = values.iter().rposition(|v| far(v, length + slack));
-            Some(before.map_or(0, |before| before + 1))
-        };
         let angle = samples.angle.as_deref().unwrap_or_default();
         let first = match part {
             Part::Extent(extent @ Extent::Time(length)) => {
@@ -365,12 +355,10 @@ impl<'r> Evaluator<'r> {
                     .ok_or_else(|| short(extent_text(extent)))?
             }
             Part::Extent(extent @ Extent::Angle(length)) => {
-                // rounding of an unwrapped angle (rad)
-                since(angle, length, 1e-6).ok_or_else(|| short(extent_text(extent)))?
+                since(angle, length, SLACK).ok_or_else(|| short(extent_text(extent)))?
             }
             Part::Cycles(count) => period
-                // rounding of an unwrapped angle (rad)
-                .and_then(|period| since(angle, period * f64::from(count), 1e-6))
+                .and_then(|period| since(angle, period * f64::from(count), SLACK))
                 .ok_or_else(|| {
                     short(match count {
                         1 => "cycle".to_owned(),

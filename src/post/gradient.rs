@@ -436,19 +436,6 @@ fn reduced_slope(reduction: Reduction, value: &Track, slope: &Track) -> Result<f
     }
 }
 
-/// The name of a function for messages.
-fn name_of(reduction: Reduction) -> &'static str {
-    match reduction {
-        Reduction::Minimum => "minimum",
-        Reduction::Maximum => "maximum",
-        Reduction::Mean => "mean",
-        Reduction::RootMeanSquare => "rms",
-        Reduction::PeakToPeak => "peak_to_peak",
-        Reduction::MinimumAt(_) => "minimum_at",
-        Reduction::MaximumAt(_) => "maximum_at",
-    }
-}
-
 /// The derivative of the least or largest sample at its place.
 fn extreme_slope(
     reduction: Reduction,
@@ -463,7 +450,7 @@ fn extreme_slope(
         .fold(0.0_f64, |most, slope| most.max(slope.abs()));
     if there.any(|(_, other)| (other - slope).abs() > ALIKE * size) {
         let why = "where several samples are the extreme one and have different derivatives";
-        return Err(unknown(name_of(reduction), why));
+        return Err(unknown(reduction.name(), why));
     }
     Ok(slope)
 }
@@ -495,8 +482,8 @@ fn ends(values: &[f64]) -> Option<[f64; 2]> {
     Some([*values.first()?, *values.last()?])
 }
 
-/// The derivative of the place of an extreme: of the vertex x₁ − s/2c of the parabola through three samples, with the slope
-/// s at the middle one and the curvature 2c.
+/// The derivative of the place of an extreme. The place is the vertex x₁ − s/2c of the parabola through three samples, with
+/// the slope s at the middle one and the curvature 2c.
 fn place_slope(
     reduction: Reduction,
     by_time: bool,
@@ -504,7 +491,7 @@ fn place_slope(
     dy: &[f64],
 ) -> Result<f64, PostError> {
     let Some(shifts) = &track.samples.shifts else {
-        return Err(unknown(name_of(reduction), "of interpolated samples"));
+        return Err(unknown(reduction.name(), "of interpolated samples"));
     };
     let found = found_at(reduction, by_time, track)?;
     let (x, dx) = match (&track.samples.angle, by_time) {

@@ -1,8 +1,8 @@
 //! Operations on signals: filters, amplitudes, other samples, and numbers of a signal.
 
 use super::PostError;
-use super::reach::limit_text;
 use super::sampling::{FEWEST, Sampled, sampled};
+use super::sampling_limits::limit_text;
 use super::track::Track;
 use crate::tables::mean;
 use eng_report::signal::{

@@ -3,8 +3,8 @@
 use super::PostError;
 use super::evaluate::Evaluator;
 use super::operation::{sampled_track, window_of};
-use super::reach::{limit_text, speed_text};
 use super::sampling::{Sampled, on};
+use super::sampling_limits::{limit_text, speed_text};
 use super::track::Track;
 use eng_report::readable_unit;
 use eng_report::signal::{

@@ -1,7 +1,7 @@
 //! Signals with their samples.
 
 use super::PostError;
-use crate::tables::shifted;
+use crate::cycle::shifted;
 use eng_report::signal::{Interpolation, SignalError, resample};
 use eng_system::expression::Member;
 use std::rc::Rc;

@@ -3,16 +3,17 @@
 
 mod cache;
 mod hand_over;
-mod look;
+mod inspection;
+mod plausibility;
 mod request;
-mod sense;
 mod table;
 
 pub use hand_over::{BodyFile, BodyFormat, HandOverError};
-pub(crate) use look::Looks;
+pub(crate) use inspection::Inspections;
 
 use crate::Sources;
 use crate::codes;
+use crate::places::span;
 use eng_flexible::mesh::Mesh;
 use eng_flexible::modes::Dropped;
 use eng_flexible::reduce::{Report, Served};
@@ -20,7 +21,7 @@ use eng_flexible::stack::{StackError, stack_mesh};
 use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError, Part, read_mesh};
-use eng_grammar::{Diagnostic, SourceId, Span};
+use eng_grammar::Diagnostic;
 use eng_system::flexible::{FlexibleSource, MatrixSource, MeshSource, StackSource};
 use eng_system::reduced::ReducedBody;
 use eng_system::system::Location;
@@ -60,19 +61,15 @@ impl Reduction {
         if !empty && rigid.is_empty() {
             return None;
         }
-        let (title, label) = if empty {
-            (
-                format!("{} has no mode: it moves as a rigid body", self.path),
+        let mut message = if empty {
+            let title = format!("{} has no mode: it moves as a rigid body", self.path);
+            Diagnostic::warning(eng_compiler::codes::UNSERVED, title).at(
+                span(self.at),
                 "without static modes the body is too stiff under its loads",
             )
         } else {
-            (
-                format!("some loads of {} have no static mode", self.path),
-                "without a static mode the body is too stiff under these loads",
-            )
+            eng_compiler::elaborate::without_static_mode(&self.path, span(self.at))
         };
-        let mut message =
-            Diagnostic::warning(eng_compiler::codes::UNSERVED, title).at(span(self.at), label);
         if !rigid.is_empty() {
             message = message.with_note(format!(
                 "constraint modes that add nothing, because they are rigid motions of a free body: {}",
@@ -144,7 +141,7 @@ fn mesh_of(
         MeshSource::File(file) => {
             let wrong = |e| failed(codes::MESH, &e, at, "this mesh");
             let mut mesh = read_mesh(files, &file.file, file.format).map_err(wrong)?;
-            let units = sense::units(&mut mesh, file).map_err(wrong)?;
+            let units = plausibility::units(&mut mesh, file).map_err(wrong)?;
             mesh.convert(&units);
             (mesh, units)
         }
@@ -247,14 +244,16 @@ impl Reducer {
             .body
             .markers
             .iter()
-            .map(sense::turns)
+            .map(plausibility::turns)
             .collect::<Vec<_>>();
-        sense::bare_markers(&turns, source, turned)?;
+        plausibility::bare_markers(&turns, source, turned)?;
         let mut body = stored.body.clone();
         body.damp(&source.damping);
         let by_default = source.element_rules.is_none() && source.stiffness.is_none();
         Ok(Reduction {
-            own_mass: by_default.then(|| sense::own_mass(&stored.mesh)).flatten(),
+            own_mass: by_default
+                .then(|| plausibility::own_mass(&stored.mesh))
+                .flatten(),
             path: source.origin.path.clone(),
             body: Arc::new(body),
             stored,
@@ -287,7 +286,7 @@ fn reduced(
 ) -> Result<StoredBody, Box<Diagnostic>> {
     let files = cache::Recorded::new(sources);
     let (mut mesh, units) = mesh_of(&files, source)?;
-    if let Some(refusal) = sense::refusal(&mesh, source) {
+    if let Some(refusal) = plausibility::refusal(&mesh, source) {
         return Err(refusal);
     }
     let request = request::request(source, &files, &mut mesh, units)?;
@@ -335,13 +334,5 @@ fn failed(code: &'static str, error: &FlexibleError, at: Location, label: &str) 
     match error.advice() {
         "" => Box::new(message),
         advice => Box::new(message.with_help(advice)),
-    }
-}
-
-pub(crate) fn span(at: Location) -> Span {
-    Span {
-        source: SourceId(at.source),
-        start: at.start,
-        end: at.end,
     }
 }

@@ -1,6 +1,6 @@
 //! Turns the block of a flexible body into a request to the crate `flexible`.
 
-use super::sense;
+use super::plausibility;
 use eng_flexible::fe::Rules;
 use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
 use eng_flexible::markers::MarkerRequest;
@@ -111,7 +111,11 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
 fn mesh_text(source: &text::MeshSource) -> String {
     match source {
         text::MeshSource::File(mesh) => {
-            let data = (&mesh.format, &mesh.units, sense::units_are_ignored(mesh));
+            let data = (
+                &mesh.format,
+                &mesh.units,
+                plausibility::units_are_ignored(mesh),
+            );
             format!("{data:?}")
         }
         // each number has all its digits

@@ -12,7 +12,7 @@ use eng_report::page::Section;
 pub(super) enum Detail {
     /// All.
     Whole,
-    /// All but the figures with these titles, which are beside those of the other points of its sweep.
+    /// All but the figures with these titles. The section of the sweep shows them beside those of its other points.
     Point(Vec<String>),
     /// None: one of many points of a sweep.
     Numbers,

@@ -116,7 +116,7 @@ impl Program {
     /// The data that a report needs from the models of results. Parameters have the values of the runs.
     ///
     /// # Errors
-    /// An analysis that the text has not, a model that cannot be compiled or bound.
+    /// The text does not have an analysis, or a model cannot be compiled or bound.
     pub fn describe(&self, results: &[&Results]) -> Result<Vec<Described>, Error> {
         let names: Vec<&str> = results.iter().map(|r| r.analysis()).collect();
         let analyses = self.analyses_of(&names).into_iter().zip(results);
@@ -230,7 +230,7 @@ fn axes(system: &System, bound: &Bound) -> Vec<JournalAxes> {
 }
 
 /// Whether two values differ by more than rounding.
-fn differ(a: f64, b: f64) -> bool {
+pub(super) fn differ(a: f64, b: f64) -> bool {
     (a - b).abs() > 1e-12 * a.abs().max(b.abs())
 }
 

@@ -1,9 +1,9 @@
 //! The last cycle of results, which the sections of analyses and sweeps show.
 
 use super::{Entry, loads};
+use crate::cycle::{last_cycle, shifted};
 use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError};
 use crate::run::RunOutcome;
-use crate::tables::{last_cycle, shifted};
 
 /// The last whole cycle with its angles from 0 on; of results without a whole cycle all. With a motion the
 /// journals have the angles of their pins, too.

@@ -30,10 +30,9 @@ pub(super) fn add_turns(entry: &Entry, results: &mut Results) -> Result<(), Resu
     Ok(())
 }
 
-/// Angle (°) of the pin's x axis from the shell's about the shell's z at each of `times` (s): that of the
-/// motion's samples, unwrapped, linear between them. Deflections of flexible bodies turn their markers by
-/// less than a degree and are left out. `None` if the motion has fewer than two samples or does not cover the
-/// times.
+/// Angle (°) from the shell's x axis to the pin's, about the shell's z, at each of `times` (s). It is unwrapped,
+/// and linear between the samples of the motion. Deflections of flexible bodies turn their markers by less than
+/// a degree and are left out. `None` if the motion has fewer than two samples or does not cover the times.
 fn turn(
     motion: &Results,
     pin: &MarkerAxes,

@@ -8,6 +8,7 @@ use super::scene::{Scene, scene};
 use super::{At, Entry, ReportError, analyses, mixed, provenance, sweeps, tables};
 use crate::Reduction;
 use crate::figures::{self, Wanted, distinct};
+use crate::indexed::base;
 use crate::post::{self, EvaluatedReport, Run};
 use crate::repetition::Repetition;
 use crate::run::RunOutcome;
@@ -296,8 +297,8 @@ fn flexible(entries: &[Entry]) -> Option<Section> {
 
 /// Whether an analysis is one of many points of a sweep.
 fn one_of_many(entry: &Entry, entries: &[Entry]) -> bool {
-    let root = |entry: &Entry| entry.name().split('[').next().map(str::to_owned);
-    !entry.point.is_empty() && entries.iter().filter(|e| root(e) == root(entry)).count() > POINTS
+    let own = |other: &&Entry| base(other.name()) == base(entry.name());
+    !entry.point.is_empty() && entries.iter().filter(own).count() > POINTS
 }
 
 /// A figure of several analyses.
@@ -314,7 +315,7 @@ fn comparisons(entries: &[Entry], cut: &[RunOutcome]) -> Vec<Compared> {
         let group = if entry.point.is_empty() {
             ""
         } else {
-            entry.name().split('[').next().unwrap_or_default()
+            base(entry.name())
         };
         let run = Run::new(&cut.results, &cut.machine);
         match groups.iter_mut().find(|(name, _)| *name == group) {

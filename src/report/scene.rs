@@ -7,9 +7,9 @@ use super::shapes::{outlined, solid};
 use super::surface::{Thinned, thin};
 use super::{At, stress};
 use super::{Entry, ReportError};
+use crate::cycle::shifted;
 use crate::motion::{BodyMotion, moments};
 use crate::results::Results;
-use crate::tables::shifted;
 use eng_flexible::store::StoredBody;
 use eng_report::animation::{
     Animation, Films, FlexibleBody, ModeShape, NodeField, Pose, RigidBody, Surface,

@@ -3,6 +3,7 @@
 use super::Entry;
 use super::drawn::drawn;
 use crate::figures::{Wanted, campbell, over_variable, waterfall};
+use crate::indexed::base;
 use crate::post::{ORDERS, Run, capital};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME};
 use crate::run::RunOutcome;
@@ -14,7 +15,7 @@ use eng_report::readable_unit;
 use eng_system::Dimension;
 use std::f64::consts::TAU;
 
-/// Least number of speeds of a map. A choice: of fewer, single spectra show more.
+/// Least number of speeds of a map. A choice: with fewer speeds, single spectra show more.
 const SPEEDS: usize = 4;
 /// Largest number of points with one column each in their table. A choice: the width of a page.
 const FEW: usize = 6;
@@ -116,12 +117,15 @@ fn over_points(points: &Results, family: &[&RunOutcome]) -> Vec<(Wanted, String)
         let Some((owner, taken)) = column.path.rsplit_once('.') else {
             continue;
         };
-        let base = |owner: &str| readable(owner.split('[').next().unwrap_or(owner));
         let taken = capital(taken);
         // an output of the model has no dot in its name
         let name = match owner.rsplit_once('.') {
-            Some((element, output)) => format!("{taken} {} of {}", readable(output), base(element)),
-            None => format!("{taken} {}", base(owner)),
+            Some((element, output)) => format!(
+                "{taken} {} of {}",
+                readable(output),
+                readable(base(element))
+            ),
+            None => format!("{taken} {}", readable(base(owner))),
         };
         match groups.iter_mut().find(|(other, _)| *other == name) {
             Some((_, columns)) => columns.push(column),
@@ -189,19 +193,14 @@ fn maps(section: Section, modes: &[Entry], family: &[&RunOutcome]) -> Section {
             // the drawing refuses it again, with the reason
             _ => 0.0,
         };
-        let base = path.split('[').next().unwrap_or_default();
-        match chosen.iter_mut().find(|(name, ..)| *name == base) {
-            Some(known) if known.1 < largest => *known = (base, largest, path),
+        let family = base(path);
+        match chosen.iter_mut().find(|(name, ..)| *name == family) {
+            Some(known) if known.1 < largest => *known = (family, largest, path),
             Some(_) => {}
-            None => chosen.push((base, largest, path)),
+            None => chosen.push((family, largest, path)),
         }
     }
-    let name = first
-        .results
-        .analysis()
-        .split('[')
-        .next()
-        .unwrap_or_default();
+    let name = base(first.results.analysis());
     let mut figures = Vec::new();
     for (_, _, path) in chosen {
         let title = path.replace('_', " ");
@@ -234,12 +233,11 @@ fn mean_speed(results: &Results) -> Option<f64> {
 /// Linear analyses for the natural frequencies of a model: its first sweep of a linear analysis, else its
 /// first linear analysis.
 fn natural(modes: &[Entry], model: &str) -> Vec<String> {
-    let root = |entry: &Entry| entry.name().split('[').next().map(str::to_owned);
     let own = || modes.iter().filter(|m| m.outcome.results.model() == model);
     let first = own().find(|m| !m.point.is_empty()).or(own().next());
-    let name = first.and_then(root);
+    let name = first.map(|entry| base(entry.name()));
     own()
-        .filter(|m| root(m) == name)
+        .filter(|m| Some(base(m.name())) == name)
         .map(|m| m.name().to_owned())
         .collect()
 }

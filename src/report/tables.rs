@@ -1,7 +1,7 @@
 //! Tables of a report: analyses, inputs, modes, summaries by interface, energy.
 
 use super::Entry;
-use super::describe::InputValue;
+use super::describe::{InputValue, differ};
 use crate::Reduction;
 use crate::machine::{Machine, SummarisedElement};
 use crate::post::capital;
@@ -149,7 +149,7 @@ pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
                 row.extend(entries.iter().map(|entry| {
                     let own = entry.described.inputs.iter().find(|i| i.path == input.path);
                     match own {
-                        Some(own) if !same(own.value, own.default) => shown(own, own.value),
+                        Some(own) if differ(own.value, own.default) => shown(own, own.value),
                         _ => Cell::Empty,
                     }
                 }));
@@ -157,11 +157,6 @@ pub(super) fn inputs(model: &str, entries: &[&Entry]) -> Table {
             })
             .collect(),
     }
-}
-
-fn same(a: f64, b: f64) -> bool {
-    // up to rounding
-    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
 }
 
 /// The results of a reduction.

@@ -1,6 +1,7 @@
 //! Cells of fields over the moments of a motion: a Parquet file with one list of 32-bit floats for each moment and
 //! quantity.
 
+use super::file::has_ending;
 use super::parquet::{WriteError, write_batch};
 use super::{Column, Results, ResultsError, file_stem, replace_file, schema};
 use arrow_array::{ArrayRef, FixedSizeListArray, Float32Array, Float64Array};
@@ -56,8 +57,7 @@ impl CellColumn {
 
 /// Whether a file has the name of one that holds cells.
 pub(super) fn is_cells(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy());
-    name.is_some_and(|name| name.ends_with(ENDING))
+    has_ending(path, ENDING)
 }
 
 /// The end of the names of files that hold cells.
@@ -117,5 +117,5 @@ fn write(file: &mut File, motion: &Results, cells: Vec<CellColumn>) -> Result<()
         let list = FixedSizeListArray::try_new(item, size, values, None);
         arrays.push(Arc::new(list.map_err(|error| refused(&error))?));
     }
-    write_batch(file, &header, schema, arrays)
+    write_batch(file, &header, schema, arrays, |properties| properties)
 }

@@ -24,7 +24,7 @@ impl Column {
         Column {
             path: super::TIME.to_owned(),
             dimension: Dimension::TIME,
-            display: unit("s", 1.0),
+            display: display_unit("s", 1.0),
             frame: String::new(),
             values,
         }
@@ -35,7 +35,7 @@ impl Column {
         Column {
             path: super::CYCLE_ANGLE.to_owned(),
             dimension: Dimension::ANGLE,
-            display: unit("deg", PI / 180.0),
+            display: display_unit("deg", PI / 180.0),
             frame: String::new(),
             values,
         }
@@ -46,7 +46,7 @@ impl Column {
         Column {
             path: super::CYCLE_SPEED.to_owned(),
             dimension: Dimension::ANGLE.over(Dimension::TIME),
-            display: unit("rpm", PI / 30.0),
+            display: display_unit("rpm", PI / 30.0),
             frame: String::new(),
             values,
         }
@@ -61,7 +61,8 @@ impl Column {
     }
 }
 
-fn unit(symbol: &str, scale: f64) -> DisplayUnit {
+/// A unit without a shifted zero.
+pub(crate) fn display_unit(symbol: &str, scale: f64) -> DisplayUnit {
     DisplayUnit {
         symbol: symbol.to_owned(),
         scale,

@@ -1,5 +1,6 @@
 //! Writing of files that are either whole or absent.
 
+use super::ResultsError;
 use crate::regular::regular;
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -81,6 +82,23 @@ pub fn replace_file<E: From<io::Error>>(
         let _ = std::fs::remove_file(&temporary);
     }
     written
+}
+
+/// Removes a file, if there is one.
+pub fn remove_if_there(path: &Path) -> Result<(), ResultsError> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(ResultsError::File {
+            path: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the name of a file has an ending.
+pub(super) fn has_ending(path: &Path, ending: &str) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    name.is_some_and(|name| name.ends_with(ending))
 }
 
 /// Removes temporary files of [`replace_file`] for a path that killed processes left. No other process may be

@@ -1,9 +1,10 @@
 //! The file of gradients: rows of samples, those of the first parameter first.
 //!
 //! Its columns are `parameter` and `parameter_unit` (texts), then time, cycle angle and speed if there is a cycle, and the
-//! derivatives of these and of the channels as 64-bit floats with the metadata of [`super::schema`]: each in its display unit
-//! per display unit of the parameter.
+//! derivatives of these and of the channels. Numbers are 64-bit floats with the metadata of [`super::schema`]. A
+//! derivative is in the display unit of its channel per display unit of the parameter.
 
+use super::file::has_ending;
 use super::parquet::{WriteError, entries, is_sound, write_batch};
 use super::{
     CYCLE_ANGLE, CYCLE_SPEED, Column, Results, ResultsError, TIME, file_stem, replace_file, schema,
@@ -66,8 +67,7 @@ pub(crate) fn gradients_file(folder: &Path, analysis: &str) -> PathBuf {
 
 /// Whether a file has the name of one with gradients.
 pub(super) fn is_gradients(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy());
-    name.is_some_and(|name| name.ends_with(ENDING))
+    has_ending(path, ENDING)
 }
 
 /// Why a file cannot be read as results, if it holds gradients.
@@ -135,7 +135,7 @@ fn write(file: &mut File, header: &Results, gradients: &[Gradient]) -> Result<()
         let values: Vec<f64> = shown.flat_map(Column::shown).collect();
         arrays.push(Arc::new(Float64Array::from(values)));
     }
-    write_batch(file, header, schema, arrays)
+    write_batch(file, header, schema, arrays, |properties| properties)
 }
 
 /// Reads the gradients that a run wrote into a folder with its results; none without their file. Values return to SI

@@ -60,13 +60,14 @@ impl Listed {
 impl Column {
     /// Smallest and largest finite value (SI).
     pub fn range(&self) -> Option<(f64, f64)> {
-        self.values
-            .iter()
-            .filter(|v| v.is_finite())
-            .fold(None, |found: Option<(f64, f64)>, v| {
-                Some(found.map_or((*v, *v), |(low, high)| (low.min(*v), high.max(*v))))
-            })
+        finite_range(&self.values)
     }
+}
+
+/// Smallest and largest finite value.
+pub(crate) fn finite_range(values: &[f64]) -> Option<(f64, f64)> {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    Some((finite().reduce(f64::min)?, finite().reduce(f64::max)?))
 }
 
 /// The result files at a path: the file, or those of the folder in the order of their names. Files of cells,

@@ -14,32 +14,34 @@ mod parquet;
 mod points;
 mod recording;
 mod resume_point;
+mod row_log;
 mod schema;
 mod selection;
 mod stream;
 mod table;
-mod trail;
 mod universal;
 
 pub(crate) use cells::{CellColumn, write_cells};
 pub use column::Column;
+pub(crate) use column::display_unit;
 pub use csv::CsvForm;
 pub use file::{file_stem, replace_file, writable};
-pub(crate) use file::{may_be_folder, remove_leftovers};
+pub(crate) use file::{may_be_folder, remove_if_there, remove_leftovers};
 pub use gradients::Gradient;
 pub(crate) use gradients::{
     derivative_of, derived_from, gradients_file, read_gradients, write_gradients,
 };
+pub(crate) use listing::finite_range;
 pub use listing::{Kind, Listed, listed};
 pub(crate) use points::{POINTS, PointRow, PointTable};
 pub use recording::Recording;
 pub(crate) use recording::{failed_twin, interrupted, stem_of};
 pub use resume_point::{KeptWarning, ResumePoint};
+pub(crate) use row_log::RowLog;
 pub(crate) use selection::matches;
 pub use selection::{Last, Selection};
 pub(crate) use stream::lock;
 pub(crate) use table::{Begun, STATE, Table};
-pub(crate) use trail::Trail;
 
 pub use eng_system::recorded::{CYCLE_ANGLE, CYCLE_SPEED, TIME};
 use eng_system::recorded::{DAMPING_RATIO, FREQUENCY, LOGARITHMIC_DECREMENT, MODE};

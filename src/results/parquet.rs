@@ -10,7 +10,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::{Compression, Encoding};
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
-use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -242,12 +242,13 @@ enum Refused {
     Foreign(String),
 }
 
-/// Writes a table of one batch with the entries of a header.
+/// Writes a table of one batch with the entries of a header. `encoded` sets the encodings of its columns.
 pub(super) fn write_batch(
     file: &mut File,
     header: &Results,
     schema: Arc<Schema>,
     arrays: Vec<ArrayRef>,
+    encoded: impl FnOnce(WriterPropertiesBuilder) -> WriterPropertiesBuilder,
 ) -> Result<(), WriteError> {
     let refused = |error: &dyn std::fmt::Display| WriteError::Parquet(error.to_string());
     let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
@@ -258,9 +259,8 @@ pub(super) fn write_batch(
     let properties = WriterProperties::builder()
         .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
         .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(entries.collect()))
-        .build();
-    let writer = ArrowWriter::try_new(file, schema, Some(properties));
+        .set_key_value_metadata(Some(entries.collect()));
+    let writer = ArrowWriter::try_new(file, schema, Some(encoded(properties).build()));
     let mut writer = writer.map_err(|error| refused(&error))?;
     writer.write(&batch).map_err(|error| refused(&error))?;
     writer.close().map_err(|error| refused(&error))?;

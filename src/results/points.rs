@@ -3,16 +3,14 @@
 //! Its columns are `point` (from 1), the numbers as nullable 64-bit floats in their display units with the metadata of
 //! [`super::schema`], then the texts [`TEXTS`]. An absent number is null, in the file, and no number (NaN) in memory.
 
-use super::parquet::{WriteError, damage, entries};
+use super::file::has_ending;
+use super::parquet::{WriteError, damage, entries, write_batch};
 use super::{Results, ResultsError, replace_file, schema};
 use crate::regular::open;
-use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
+use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, StringArray};
 use arrow_schema::{DataType, Field, Schema};
-use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::basic::{Compression, Encoding};
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
+use parquet::basic::Encoding;
 use parquet::schema::types::ColumnPath;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
@@ -24,8 +22,7 @@ pub(crate) const POINTS: &str = ".points.parquet";
 
 /// Whether a file has the name of one that holds the points of a study.
 pub(super) fn is_points(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy());
-    name.is_some_and(|name| name.ends_with(POINTS))
+    has_ending(path, POINTS)
 }
 
 /// Why a file cannot be read as results, if it holds the points of a study.
@@ -97,7 +94,6 @@ impl PointTable {
     }
 
     fn write_to(&self, file: &mut File) -> Result<(), WriteError> {
-        let refused = |error: &dyn std::fmt::Display| WriteError::Parquet(error.to_string());
         let schema = Arc::new(self.schema());
         let numbers = self.rows.iter().map(|row| row.point as i64);
         let mut arrays: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_iter_values(numbers))];
@@ -115,29 +111,19 @@ impl PointTable {
             });
             arrays.push(Arc::new(StringArray::from_iter(texts)));
         }
-        let batch = RecordBatch::try_new(Arc::clone(&schema), arrays);
-        let batch = batch.map_err(|error| refused(&error))?;
-        let entries = schema::metadata(&self.header).into_iter();
-        let entries = entries.map(|(key, value)| KeyValue::new(key, value));
-        let mut properties = WriterProperties::builder()
-            .set_created_by(format!("eng {}", env!("CARGO_PKG_VERSION")))
-            .set_compression(Compression::SNAPPY)
-            .set_dictionary_enabled(false)
-            .set_key_value_metadata(Some(entries.collect()));
-        for column in self.header.columns() {
-            let path = ColumnPath::new(vec![column.path.clone()]);
-            properties = properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
-        }
-        for name in TEXTS {
-            // most points have the same state and message
-            let path = ColumnPath::new(vec![name.to_owned()]);
-            properties = properties.set_column_dictionary_enabled(path, true);
-        }
-        let writer = ArrowWriter::try_new(file, schema, Some(properties.build()));
-        let mut writer = writer.map_err(|error| refused(&error))?;
-        writer.write(&batch).map_err(|error| refused(&error))?;
-        writer.close().map_err(|error| refused(&error))?;
-        Ok(())
+        write_batch(file, &self.header, schema, arrays, |properties| {
+            let mut properties = properties.set_dictionary_enabled(false);
+            for column in self.header.columns() {
+                let path = ColumnPath::new(vec![column.path.clone()]);
+                properties = properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
+            }
+            for name in TEXTS {
+                // most points have the same state and message
+                let path = ColumnPath::new(vec![name.to_owned()]);
+                properties = properties.set_column_dictionary_enabled(path, true);
+            }
+            properties
+        })
     }
 
     /// Reads a file of [`PointTable::write`].

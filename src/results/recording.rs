@@ -1,5 +1,6 @@
 //! The destination of a run's samples, and the selection of samples to keep.
 
+use super::file::has_ending;
 use super::table::{FAILED_BECAUSE, STATE};
 use super::{Last, Results, Selection, file_stem};
 use std::path::{Path, PathBuf};
@@ -97,14 +98,10 @@ pub(crate) fn failed_twin(path: &Path) -> Option<PathBuf> {
 
 /// Whether a file is the stream of a run that has not ended, by its name.
 pub(super) fn is_partial(path: &Path) -> bool {
-    path.file_name()
-        .is_some_and(|name| name.to_string_lossy().ends_with(PARTIAL))
+    has_ending(path, PARTIAL)
 }
 
 /// Whether a file holds results, by its name.
 pub(super) fn is_result(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| {
-        let name = name.to_string_lossy();
-        name.ends_with(PARTIAL) || name.ends_with(FINAL)
-    })
+    has_ending(path, PARTIAL) || has_ending(path, FINAL)
 }

@@ -5,7 +5,7 @@ use super::recording::{Files, Recording};
 use super::resume_point::{KeptWarning, ResumePoint};
 use super::selection::Last;
 use super::stream::{Portions, Stream};
-use super::{Results, ResultsError, replace_file, schema};
+use super::{Results, ResultsError, remove_if_there, replace_file, schema};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -166,7 +166,7 @@ impl Table {
         // creating the stream now reports an unwritable folder before hours of computing;
         // a checkpoint of another run must not outlive its samples
         disk.stream = Some(Stream::create(&disk.files.partial, &table.header)?);
-        remove(&disk.files.checkpoint)?;
+        remove_if_there(&disk.files.checkpoint)?;
         disk.files.remove_leftovers();
         table.disk = Some(disk);
         Ok(Begun::Fresh(table))
@@ -262,9 +262,9 @@ impl Table {
                     failed,
                 } = &disk.files;
                 if failure.is_some() && self.given == 0 {
-                    remove(checkpoint)?;
-                    remove(partial)?;
-                    remove(failed)?;
+                    remove_if_there(checkpoint)?;
+                    remove_if_there(partial)?;
+                    remove_if_there(failed)?;
                     return self.in_memory();
                 }
                 let parquet = if failure.is_some() { failed } else { parquet };
@@ -277,10 +277,10 @@ impl Table {
                 let results = Results::read_parquet(parquet)?;
                 // the checkpoint is removed first: a killed run may leave samples without a checkpoint, which
                 // are computed again, but a checkpoint without samples would be refused
-                remove(checkpoint)?;
-                remove(partial)?;
+                remove_if_there(checkpoint)?;
+                remove_if_there(partial)?;
                 if failure.is_none() {
-                    remove(failed)?;
+                    remove_if_there(failed)?;
                 }
                 Ok(results)
             }
@@ -401,15 +401,5 @@ fn foreign(path: &Path, message: String) -> ResultsError {
     ResultsError::Foreign {
         path: path.to_owned(),
         message,
-    }
-}
-
-fn remove(path: &Path) -> Result<(), ResultsError> {
-    match std::fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ResultsError::File {
-            path: path.to_owned(),
-            source,
-        }),
-        _ => Ok(()),
     }
 }

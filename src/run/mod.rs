@@ -12,9 +12,9 @@ use crate::timings::{Clock, Timings};
 use crate::{Analysis, Error, Gradient, Progress, Results, Slow, Verdict, Watch};
 use eng_grammar::{Diagnostic, Diagnostics};
 use eng_system::significant::{short, significant};
-use eng_system::system::{AnalysisKind, PointValue};
+use eng_system::system::PointValue;
 pub(crate) use patience::in_words;
-use patience::{Look, Patience};
+use patience::{Estimate, Patience};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -216,21 +216,21 @@ impl Watch for Watching<'_> {
             return Verdict::Stop;
         }
         let passed = self.began.elapsed();
-        match self.patience.look(passed, now.fraction, now.steps) {
-            Look::Lost(left) if !self.patient => {
+        match self.patience.check(passed, now.fraction, now.steps) {
+            Estimate::Lost(left) if !self.patient => {
                 self.lost = Some((passed, now, left));
                 Verdict::Stop
             }
-            Look::Slowing(left) if !self.explained => {
+            Estimate::Slowing(left) if !self.explained => {
                 self.slowing = Some(left);
                 Verdict::Explain
             }
-            Look::Now | Look::Lost(_) if !self.explained => Verdict::Explain,
+            Estimate::Now | Estimate::Lost(_) if !self.explained => Verdict::Explain,
             _ => Verdict::GoOn,
         }
     }
 
-    fn paced(&mut self, slow: &Slow) {
+    fn short_steps(&mut self, slow: &Slow) {
         let rest = self.slowing.map(in_words);
         if let Some(message) = crate::failure::slow(slow, self.analysis.name(), rest.as_deref()) {
             self.explained = true;
@@ -246,7 +246,7 @@ fn leave_out(machine: &mut Machine, results: &Results, analysis: &Analysis) {
     if !of_motion {
         machine.journals.clear();
     }
-    if !of_motion || matches!(analysis.kind(), AnalysisKind::Kinematic(_)) {
+    if !of_motion || analysis.kind().is_prescribed() {
         machine.summaries.clear();
     }
 }

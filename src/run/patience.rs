@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-/// Remaining time above which a run is stopped, unless the user states `--patient`. A choice: who wants to
-/// wait longer than a day knows it before.
+/// Remaining time above which a run is stopped, unless the user states `--patient`. A choice: users who want to
+/// wait longer than a day know this before.
 const LONGEST: Duration = Duration::from_secs(24 * 3600);
 /// Time of the first check of the progress. A choice: a person waits as long before they look.
 const FIRST: Duration = Duration::from_secs(5);
@@ -22,7 +22,7 @@ const GROWN: f64 = 10.0;
 
 /// The result of a check.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Look {
+pub(crate) enum Estimate {
     /// Too soon after the last check.
     Soon,
     /// The run makes progress.
@@ -60,11 +60,11 @@ impl Default for Patience {
 impl Patience {
     /// Takes the time since the start of the run, its finished part, 0…1, and its number of steps. It makes a check
     /// from time to time.
-    pub fn look(&mut self, passed: Duration, done: f64, steps: u64) -> Look {
+    pub fn check(&mut self, passed: Duration, done: f64, steps: u64) -> Estimate {
         let (few, short) = BEGINNING;
         let beginning = steps < few && passed < short;
         if passed < self.next || beginning {
-            return Look::Soon;
+            return Estimate::Soon;
         }
         let seconds = (passed - self.last.0).as_secs_f64();
         let rest = (1.0 - done) * seconds / (done - self.last.1).max(0.0);
@@ -75,11 +75,11 @@ impl Patience {
         self.last = (passed, done);
         self.next = passed + FIRST.max(passed.mul_f64(LATER));
         if was && self.hopeless {
-            Look::Lost(rest)
+            Estimate::Lost(rest)
         } else if was_slowing && self.slowing {
-            Look::Slowing(rest)
+            Estimate::Slowing(rest)
         } else {
-            Look::Now
+            Estimate::Now
         }
     }
 }
@@ -115,9 +115,9 @@ mod tests {
         let mut patience = Patience::default();
         (1..200_000).find_map(|half| {
             let passed = f64::from(half) * 0.5;
-            match patience.look(Duration::from_secs_f64(passed), done(passed), 1000) {
-                Look::Lost(left) => Some((passed, left)),
-                Look::Soon | Look::Now | Look::Slowing(_) => None,
+            match patience.check(Duration::from_secs_f64(passed), done(passed), 1000) {
+                Estimate::Lost(left) => Some((passed, left)),
+                Estimate::Soon | Estimate::Now | Estimate::Slowing(_) => None,
             }
         })
     }
@@ -127,8 +127,8 @@ mod tests {
         let mut patience = Patience::default();
         (1..20_000).find_map(|half| {
             let passed = f64::from(half) * 0.5;
-            let look = patience.look(Duration::from_secs_f64(passed), done(passed), 1000);
-            matches!(look, Look::Slowing(_)).then_some(passed)
+            let estimate = patience.check(Duration::from_secs_f64(passed), done(passed), 1000);
+            matches!(estimate, Estimate::Slowing(_)).then_some(passed)
         })
     }
 
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn hopeless_runs_are_stopped_after_two_looks() {
+    fn hopeless_runs_are_stopped_after_two_checks() {
         let (passed, left) = stopped(|t| 1e-9 * t).unwrap();
         assert_eq!(passed, 10.0);
         assert!((left - (1e9 - 10.0)).abs() < 1.0, "{left}");
@@ -167,16 +167,16 @@ mod tests {
         let mut patience = Patience::default();
         let (mut done, mut step) = (0.0, 1e-7);
         for steps in 1..=60 {
-            let look = patience.look(Duration::from_secs(steps), done, steps);
-            assert!(!matches!(look, Look::Lost(_)), "{steps}");
+            let estimate = patience.check(Duration::from_secs(steps), done, steps);
+            assert!(!matches!(estimate, Estimate::Lost(_)), "{steps}");
             done += step;
             step = (1.5 * step).min(1e-3);
         }
         // without a step for minutes there is a pace: none
         let mut patience = Patience::default();
         let stopped = (1..400).find(|passed| {
-            let look = patience.look(Duration::from_secs(*passed), 0.0, 3);
-            matches!(look, Look::Lost(_))
+            let estimate = patience.check(Duration::from_secs(*passed), 0.0, 3);
+            matches!(estimate, Estimate::Lost(_))
         });
         assert_eq!(stopped, Some(144));
     }

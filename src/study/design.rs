@@ -2,9 +2,11 @@
 //!
 //! A column has the name of a parameter and its unit: `main[5].radial_clearance [um]`.
 
+use crate::counted::counted;
 use crate::regular;
 use arrow_array::{Array, Float32Array, Float64Array, Int32Array, Int64Array, RecordBatch};
 use arrow_schema::{DataType, Field, SchemaRef};
+use eng_system::delimited::{Delimited, name_and_unit};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use std::fs::File;
@@ -124,68 +126,42 @@ fn whole(columns: Vec<DesignColumn>) -> Result<Vec<DesignColumn>, String> {
     }
 }
 
-/// Path and unit of `main[5].clearance [um]`. The index of a path has no blank before it.
+/// Path and unit of `main[5].clearance [um]`.
 fn named(header: &str) -> (String, String) {
     let header = header.trim();
-    let unit = header.strip_suffix(']').and_then(|rest| {
-        let (path, unit) = rest.rsplit_once('[')?;
-        path.ends_with(char::is_whitespace).then_some((path, unit))
-    });
-    match unit {
-        Some((path, unit)) => {
-            let unit = unit.trim();
-            let unit = if unit == "1" { "" } else { unit };
-            (path.trim().to_owned(), unit.to_owned())
-        }
+    let named = name_and_unit(header).filter(|_| header.ends_with(']'));
+    match named {
+        Some((path, "1")) => (path.to_owned(), String::new()),
+        Some((path, unit)) => (path.to_owned(), unit.to_owned()),
         None => (header.to_owned(), String::new()),
     }
 }
 
-/// Columns of a text. Its cells are separated by `;`, tabs or commas. Empty lines and lines that begin with `#` are
-/// left out. Between `;` and tabs a comma is a decimal sign.
+/// Columns of a text.
 fn from_text(text: &str) -> Result<Vec<DesignColumn>, String> {
-    let text = text.trim_start_matches('\u{feff}');
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
-    let Some((_, header)) = lines.next() else {
+    let Some(table) = Delimited::read(text) else {
         return Err(
             "the file is empty; its first line names the parameters: length [mm]".to_owned(),
         );
     };
-    let separator = [';', '\t'].into_iter().find(|sign| header.contains(*sign));
-    let separator = separator.unwrap_or(',');
-    let cells = |line: &str| -> Vec<String> {
-        let cells = line.split(separator);
-        let bare = cells.map(|cell| cell.trim().trim_matches('"').trim().to_owned());
-        bare.collect()
-    };
-    let mut columns: Vec<DesignColumn> = cells(header)
-        .iter()
+    let mut columns: Vec<DesignColumn> = (table.header.iter())
         .map(|name| {
             let (path, unit) = named(name);
             let values = Vec::new();
             DesignColumn { path, unit, values }
         })
         .collect();
-    for (index, line) in lines {
-        let row = cells(line);
-        let line = index + 1;
-        if row.len() != columns.len() {
+    for row in &table.rows {
+        let line = row.line;
+        if row.cells.len() != columns.len() {
             return Err(format!(
-                "line {line} has {} cells, and the first line names {} columns; a decimal comma needs `;` or tabs \
-                 between the cells",
-                row.len(),
-                columns.len()
+                "line {line} has {}, and the first line names {}; a decimal comma needs `;` or tabs between the cells",
+                counted(row.cells.len(), "cell", "cells"),
+                counted(columns.len(), "column", "columns")
             ));
         }
-        for (column, cell) in columns.iter_mut().zip(&row) {
-            let number = match separator {
-                ',' => cell.parse(),
-                _ => cell.replace(',', ".").parse(),
-            };
-            column.values.push(number.map_err(|_| {
+        for (column, cell) in columns.iter_mut().zip(&row.cells) {
+            column.values.push(table.number(cell).ok_or_else(|| {
                 format!(
                     "line {line}: {cell:?} in the column {} is no number; units are in the first line: {} [mm]",
                     column.path, column.path
@@ -286,6 +262,7 @@ mod tests {
     fn columns_have_paths_and_units() {
         for (header, path, unit) in [
             ("length [mm]", "length", "mm"),
+            ("length[mm]", "length", "mm"),
             ("main[5].clearance [um]", "main[5].clearance", "um"),
             ("main[5]", "main[5]", ""),
             (" ratio [1] ", "ratio", ""),
@@ -297,14 +274,14 @@ mod tests {
 
     #[test]
     fn texts_of_spreadsheets_are_read() {
-        let text = "\u{feff}# made by hand\nlength [mm];load [kg]\n\n1,5;2\n2,5;1e-3\n";
+        let text = "\u{feff}# made by hand\nlength [mm];load[kg];\n\n1,5;2;\n2,5;1e-3\n";
         let columns = from_text(text).unwrap();
         assert_eq!(columns[0].values, [1.5, 2.5]);
         assert_eq!(columns[1].values, [2.0, 1e-3]);
         for (text, message) in [
             ("", "the file is empty"),
             ("length [mm]\n", "there are no points"),
-            ("a,b\n1\n", "line 2 has 1 cells"),
+            ("a,b\n1\n", "line 2 has 1 cell, and"),
             (
                 "a,b\n1,2\n1,2 mm\n",
                 "line 3: \"2 mm\" in the column b is no number",

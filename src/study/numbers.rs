@@ -9,7 +9,7 @@ use crate::run::RunOutcome;
 use crate::tables::sweep;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::report::{EntryKind, Report};
-use eng_system::system::AnalysisKind;
+use eng_system::system::Rows;
 use eng_system::{Dimension, DisplayUnit};
 
 /// Hexadecimal digits of a point's identity: 64 bits distinguish all points that anyone computes.
@@ -67,8 +67,7 @@ impl Study {
                 diagnostics: Diagnostics::new(),
                 facts: Vec::new(),
                 point: analysis.point().to_vec(),
-                periodic: matches!(analysis.kind(), AnalysisKind::Periodic(_))
-                    .then_some((0, false)),
+                periodic: (analysis.kind().rows() == Rows::Cycle).then_some((0, false)),
                 gradients: Vec::new(),
                 timings: None,
             };

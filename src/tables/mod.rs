@@ -1,13 +1,11 @@
 //! Tables of results: summaries by interface, points of a sweep, modes; as text with aligned columns.
 
-mod cycle;
 pub(crate) mod modes;
 pub(crate) mod response;
 pub(crate) mod state;
 mod summary;
 pub(crate) mod sweep;
 
-pub(crate) use cycle::{last_cycle, shifted};
 pub use summary::{Summarised, SummaryTable};
 pub(crate) use summary::{in_words, mean, readable};
 

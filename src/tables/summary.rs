@@ -1,7 +1,8 @@
 //! Tables of the elements whose classes fill one interface: a number of each output for which the interface
 //! states a summary.
 
-use super::{Table, last_cycle};
+use super::Table;
+use crate::cycle::{SLACK, cycle_angle, last_cycle};
 use crate::machine::{InterfaceSummary, SummarisedElement};
 use crate::results::{CYCLE_ANGLE, Results, TIME};
 use eng_system::DisplayUnit;
@@ -37,16 +38,6 @@ impl<'m> SummaryTable<'m> {
         let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
         let whole = last_cycle(angle, cycle_period);
         let first = whole.unwrap_or(0);
-        let cycle_angle = |index: usize| {
-            let angle = *angle?.get(index)?;
-            match cycle_period {
-                // a crank angle of 719.999999999° is 0°
-                Some(period) if period > 0.0 => {
-                    Some(angle - period * ((angle + 1e-9) / period).floor())
-                }
-                _ => Some(angle),
-            }
-        };
         let time = results.column(TIME).map(|c| c.values.as_slice());
         let number = |column: &SummaryColumn, channel: Option<&String>| {
             let values = results.column(channel?)?.values.as_slice();
@@ -63,7 +54,9 @@ impl<'m> SummaryTable<'m> {
             let (index, value) = found?;
             Some(Summarised {
                 value,
-                angle: cycle_angle(index),
+                angle: angle
+                    .and_then(|angle| angle.get(index))
+                    .map(|angle| cycle_angle(*angle, cycle_period)),
             })
         };
         let row = |element: &SummarisedElement| {
@@ -107,8 +100,11 @@ impl<'m> SummaryTable<'m> {
         let own = angles(column);
         let before = (0..column).rev().find(is_extreme).map(angles);
         let before = before.unwrap_or_else(|| vec![None; own.len()]);
+        let differ = |own: f64, before: Option<f64>| {
+            before.is_none_or(|before| (own - before).abs() > SLACK)
+        };
         let mut both = own.iter().zip(&before);
-        both.any(|(own, before)| own.is_some() && own != before)
+        both.any(|(own, before)| own.is_some_and(|own| differ(own, *before)))
     }
 
     /// The part of the run that the values cover.

@@ -1,7 +1,9 @@
 //! The points of a sweep side by side.
 
-use super::{SummaryTable, Table, last_cycle};
-use crate::results::{CYCLE_ANGLE, Column, Results, STOPPED, TIME};
+use super::{SummaryTable, Table};
+use crate::cycle::last_cycle;
+use crate::indexed;
+use crate::results::{CYCLE_ANGLE, Column, Results, STOPPED, TIME, finite_range};
 use crate::run::RunOutcome;
 use eng_system::analysis::STOP;
 use eng_system::significant::short;
@@ -26,8 +28,7 @@ pub(crate) fn families(outcomes: &[RunOutcome]) -> Vec<Vec<&RunOutcome>> {
 
 /// `runup` of `runup[3]`.
 fn base(outcome: &RunOutcome) -> &str {
-    let name = outcome.results.analysis();
-    name.split('[').next().unwrap_or(name)
+    indexed::base(outcome.results.analysis())
 }
 
 /// The name of a family.
@@ -35,11 +36,16 @@ pub(crate) fn name<'o>(family: &[&'o RunOutcome]) -> &'o str {
     family.first().map_or("", |o| base(o))
 }
 
-/// One row for each point. It has the variables of the sweep; for a periodic analysis the number of cycles,
-/// and 1 if the last cycle repeats (no numbers if the point was complete and was not run again); for a transient analysis with a
-/// `stop` the time at which it ended the point (no number if it did not); the summaries
-/// of the elements, such as `main[1].radial_load.largest`; for each output of the model the smallest and the
-/// largest value. The values cover the last whole cycle if there is one, otherwise the whole run.
+/// One row for each point. It has:
+///
+/// - the variables of the sweep,
+/// - of a periodic analysis the number of cycles, and 1 if the last cycle repeats. There are no numbers if the
+///   point was complete and was not run again,
+/// - of a transient analysis with a `stop` the time at which it ended the point; no number if it did not,
+/// - the summaries of the elements, such as `main[1].radial_load.largest`,
+/// - the smallest and the largest value of each output of the model.
+///
+/// The values cover the last whole cycle if there is one, otherwise the whole run.
 pub(crate) fn table(family: &[&RunOutcome]) -> Results {
     let Some(first) = family.first() else {
         return Results::new("", "");
@@ -166,13 +172,7 @@ fn extremes(outcome: &RunOutcome, path: &str) -> Option<(f64, f64)> {
     let results = &outcome.results;
     let angle = results.column(CYCLE_ANGLE).map(|c| c.values.as_slice());
     let first = last_cycle(angle, outcome.machine.cycle_period).unwrap_or(0);
-    let values = results.column(path)?.values.get(first..)?;
-    values
-        .iter()
-        .filter(|v| v.is_finite())
-        .fold(None, |found: Option<(f64, f64)>, v| {
-            Some(found.map_or((*v, *v), |(low, high)| (low.min(*v), high.max(*v))))
-        })
+    finite_range(results.column(path)?.values.get(first..)?)
 }
 
 /// The summaries of a point. A state has no samples, and its values are columns of their own.

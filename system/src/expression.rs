@@ -150,6 +150,21 @@ pub enum Reduction {
     MaximumAt(bool),
 }
 
+impl Reduction {
+    /// The name of its function.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Reduction::Minimum => "minimum",
+            Reduction::Maximum => "maximum",
+            Reduction::Mean => "mean",
+            Reduction::RootMeanSquare => "rms",
+            Reduction::PeakToPeak => "peak_to_peak",
+            Reduction::MinimumAt(_) => "minimum_at",
+            Reduction::MaximumAt(_) => "maximum_at",
+        }
+    }
+}
+
 /// The weight of a block of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs)]

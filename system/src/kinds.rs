@@ -1,4 +1,4 @@
-//! Enums of kinds: each variant holds another type, and one trait unites these types.
+//! Enums of kinds: each variant holds another type, and one trait unites these types. Stated arguments of a kind.
 
 /// Makes an enum dereference to the trait of its variants, so that the questions of the trait are methods of the
 /// enum.
@@ -25,3 +25,26 @@ macro_rules! dereferences {
 }
 
 pub(crate) use dereferences;
+
+/// The stated arguments of a kind. Each has the type of its row.
+#[derive(Clone, Debug)]
+pub struct Given<V>(Vec<(&'static str, V)>);
+
+impl<V> Default for Given<V> {
+    fn default() -> Given<V> {
+        Given(Vec::new())
+    }
+}
+
+impl<V> Given<V> {
+    /// States an argument.
+    pub fn state(&mut self, name: &'static str, value: V) {
+        self.0.push((name, value));
+    }
+
+    /// The value of an argument, if the text states it.
+    pub fn find(&self, wanted: &str) -> Option<&V> {
+        let stated = self.0.iter().find(|(name, _)| *name == wanted);
+        stated.map(|(_, value)| value)
+    }
+}

@@ -20,6 +20,7 @@
 
 pub mod analysis;
 pub mod code;
+pub mod delimited;
 pub mod dense;
 pub mod dimension;
 pub mod elementary;

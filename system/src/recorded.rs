@@ -1,6 +1,6 @@
 //! The columns that a run records of a system, in order.
 
-use crate::analysis::{Names, Response};
+use crate::analysis::{AnalysisKind, Names, Response};
 use crate::system::{BodyInertia, Role, System};
 use crate::{Dimension, DisplayUnit};
 use std::f64::consts::PI;
@@ -213,6 +213,16 @@ pub fn of_modes(system: &System) -> Vec<Recorded> {
         columns.push(phase_of(&channel.path));
     }
     columns
+}
+
+/// The columns of an analysis whose kind has columns of its own for each sample or frequency. None of a response
+/// whose input or outputs have a mistake.
+pub fn of_kind(system: &System, kind: &AnalysisKind) -> Option<Vec<Recorded>> {
+    match kind {
+        AnalysisKind::Response(response) => Some(of_response(system, response).unwrap_or_default()),
+        AnalysisKind::Kinematic(_) => Some(of_motion(system)),
+        _ => None,
+    }
 }
 
 /// The columns of a frequency response, in which each row is a frequency: the frequency, amplitude per unit of

@@ -23,7 +23,7 @@ const PAIRS: usize = 6;
 const REPEATS: f64 = 1e-4;
 /// A correction that secants enlarge by more than this factor is left as it is. A choice: a matrix that
 /// contracts by a third or better needs less.
-const LARGEST: f64 = 3.0;
+const LARGEST_GROWTH: f64 = 3.0;
 
 /// The last moves and the changes of corrections along them, in a ring: `next` is the oldest when it is full.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,7 +149,7 @@ impl Secants {
             );
         }
         let after = largest(correction);
-        if after > LARGEST * before {
+        if after > LARGEST_GROWTH * before {
             for (k, share) in shares[..n].iter().enumerate() {
                 add_scaled(
                     correction,

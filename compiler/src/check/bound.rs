@@ -159,7 +159,7 @@ impl Checker<'_> {
     }
 
     /// The arguments of a call of a built-in function; `None` after an error. With `by_name` a text may name every
-    /// parameter, without it only the optional ones.
+    /// parameter. Without it, a text may name the optional ones only.
     pub(super) fn bound<'e>(
         &mut self,
         function: &BuiltIn,

@@ -152,8 +152,8 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// A signature with the name that calls it: a parameter `law: fn(Length) -> Force` states none. A function that
-    /// calls itself has no signature yet.
+    /// A signature with the name of its call, because a parameter `law: fn(Length) -> Force` states no name. A
+    /// function that calls itself has no signature yet.
     fn named_by_call(&self, signature: Arc<Signature>, callee: &Expr) -> Arc<Signature> {
         if !signature.name.is_empty() || signature.result.is_error() {
             return signature;
@@ -297,8 +297,10 @@ impl<'p> Checker<'p> {
             for parameter in parameters(self.program, id) {
                 let name = parameter.name;
                 // a repeated name was reported, and has the type of its first place
-                let ty = match self.held(parameter.home, &name.text) {
-                    Some(held) => self.member_type(held.home, &name.text, held.member, name.span),
+                let ty = match self.owned_member(parameter.home, &name.text) {
+                    Some(owned) => {
+                        self.member_type(owned.home, &name.text, owned.member, name.span)
+                    }
                     None => Type::Error,
                 };
                 slots.push(Slot {

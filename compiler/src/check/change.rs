@@ -78,7 +78,7 @@ impl<'p> Checker<'p> {
             return;
         }
         if let Some((class, root)) = inside.at_use.zip(root(target))
-            && self.held(class, &root.text).is_none()
+            && self.owned_member(class, &root.text).is_none()
         {
             self.field_of_instance(class, &root, false);
             self.infer(scope, value);
@@ -138,7 +138,7 @@ impl<'p> Checker<'p> {
                         Type::Function(_) => true,
                         // reported
                         Type::Error => true,
-                        Type::InstanceOf(id) => self.held(id, &name.text).is_none(),
+                        Type::InstanceOf(id) => self.owned_member(id, &name.text).is_none(),
                         _ => false,
                     }
             }

@@ -152,7 +152,8 @@ impl<'p> Checker<'p> {
         listing(words.map(|word| word.text.as_str()), 12)
     }
 
-    /// The types of the sides of `==` and `!=`. A side that is a word of the other side's choice needs no more.
+    /// The types of the sides of `==` and `!=`. A side that is a word of the other side's choice needs no further
+    /// check.
     pub(super) fn sides_of_equality(
         &mut self,
         scope: &Scope<'p>,

@@ -17,7 +17,7 @@ use eng_grammar::{Diagnostic, Span};
 struct Holder {
     /// A model or a component.
     parts: bool,
-    /// A class of elements, or an interface. An interface may have the items of a class; another check decides
+    /// A class of elements, or an interface. An interface may have the items of any class. Another check decides
     /// which kind of class can fill it.
     class: bool,
     /// May restrict motions.
@@ -225,9 +225,9 @@ impl<'p> Checker<'p> {
             );
         }
         let table = self.class_table(id);
-        for (name, held) in &table.members {
-            if let Some(span) = held.member.span() {
-                self.member_type(held.home, name, held.member, span);
+        for (name, owned) in &table.members {
+            if let Some(span) = owned.member.span() {
+                self.member_type(owned.home, name, owned.member, span);
             }
         }
         let scope = Scope::of(id);

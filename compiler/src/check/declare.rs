@@ -585,9 +585,8 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// The type in a type whose value decides the structure of a model, so that it cannot be a parameter of a
-    /// run: the type itself, that of the elements, or that of a field of a record with the path `.law` of the
-    /// field.
+    /// The part of a type whose value decides the structure of a model, so that it cannot be a parameter of a run. It
+    /// is the type itself, that of the elements, or that of a field of a record. A field comes with its path `.law`.
     fn structure_in(&mut self, ty: &Type, levels: usize) -> Option<(String, Type)> {
         match ty {
             Type::Int

@@ -3,7 +3,7 @@
 use super::Checker;
 use super::types::{Dim, Kind as PointKind, Quantity, Signature, Type};
 use crate::program::{DefinitionId, USUAL_UNITS};
-use crate::resolve::suggest::LONGEST;
+use crate::resolve::suggest::LONGEST_COMPARED;
 pub(super) use crate::typed::kind_words::{kind_word, with_article};
 
 use eng_system::Dimension;
@@ -30,14 +30,15 @@ const PREFERRED: [&str; 18] = [
     "AngularAcceleration",
 ];
 
-/// The likely meaning of an unknown unit. Among equally near units it is one of the same length, and a usual
-/// one.
+/// The likely meaning of an unknown unit. Among equally near units it is one of the same length, and a usual one.
+/// Fewer letters may differ than in [`nearest`](crate::resolve::suggest::nearest), because units are short. Case
+/// counts, because `mW` and `MW` are two units.
 pub(super) fn nearest_unit<'a>(
     name: &str,
     known: impl Iterator<Item = &'a String>,
 ) -> Option<String> {
-    let length = name.chars().take(LONGEST + 1).count();
-    if length > LONGEST {
+    let length = name.chars().take(LONGEST_COMPARED + 1).count();
+    if length > LONGEST_COMPARED {
         return None;
     }
     let allowed = if length < 2 { 0 } else { (length / 3).max(1) };

@@ -1,7 +1,7 @@
 //! Flexible bodies: their attributes, markers on meshes, mode sets.
 
 use super::Checker;
-use super::body::BodyKind;
+use super::body::{BodyKind, states};
 use super::bound::{Called, Parameter};
 use super::member::Member;
 use super::mismatch::Due;
@@ -143,12 +143,12 @@ impl<'p> Checker<'p> {
         let Type::Instance(id) = **element else {
             return None;
         };
-        let held = self.held(id, field)?;
-        match held.member {
+        let owned = self.owned_member(id, field)?;
+        match owned.member {
             Member::Binding(binding) => {
                 let span = binding.name.span;
-                self.used.insert((held.home, field.to_owned()));
-                Some(self.member_type(held.home, field, held.member, span))
+                self.used.insert((owned.home, field.to_owned()));
+                Some(self.member_type(owned.home, field, owned.member, span))
             }
             _ => None,
         }
@@ -650,10 +650,5 @@ fn called(callee: &Expr, place: Place) -> Option<&'static Word> {
 
 /// Whether a body has a support on the ground.
 pub(super) fn has_support(body: &Declaration) -> bool {
-    body.kind == Kind::Flexible
-        && body.block().is_some_and(|block| {
-            block.items.iter().any(
-                |item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "support"),
-            )
-        })
+    body.kind == Kind::Flexible && states(body, "support")
 }

@@ -3,7 +3,7 @@
 use super::Checker;
 use super::class::{item_place, placing};
 use super::describe::{kind_word, with_article};
-use super::member::{Held, Member};
+use super::member::{Member, OwnedMember};
 use super::scope::Scope;
 use super::types::{Signature, Type};
 use crate::codes;
@@ -199,11 +199,11 @@ impl<'p> Checker<'p> {
         level: Level<'p>,
         asked: &'p Binding,
     ) {
-        let Some(held) = self.held(id, &asked.name.text) else {
+        let Some(owned) = self.owned_member(id, &asked.name.text) else {
             return;
         };
-        if held.home != level.definition {
-            return self.as_promised(declaration, level.definition, asked, held);
+        if owned.home != level.definition {
+            return self.as_promised(declaration, level.definition, asked, owned);
         }
         // a parameter need not be repeated, and an interface leaves the items that it requires to its classes
         if is_parameter(asked) || asked.value.is_some() || declaration.kind == Kind::Interface {
@@ -258,10 +258,10 @@ impl<'p> Checker<'p> {
     ) {
         let name = &asked.name;
         let text = self.sources.text(function_head(asked)).to_owned();
-        let Some(Held {
+        let Some(OwnedMember {
             home,
             member: Member::Function(own),
-        }) = self.held(id, &name.text)
+        }) = self.owned_member(id, &name.text)
         else {
             return;
         };
@@ -384,9 +384,9 @@ impl<'p> Checker<'p> {
         declaration: &Declaration,
         interface: DefinitionId,
         promise: &'p Binding,
-        held: Held<'p>,
+        owned: OwnedMember<'p>,
     ) {
-        let (home, own) = (held.home, held.member);
+        let (home, own) = (owned.home, owned.member);
         let name = &promise.name.text;
         let wanted = Member::Binding(promise);
         let wanted_type = self.member_type(interface, name, wanted, promise.name.span);

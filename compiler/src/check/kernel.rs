@@ -2,7 +2,7 @@
 
 use super::Checker;
 use super::bound::{Called, Parameter};
-use super::member::{Held, Member};
+use super::member::{Member, OwnedMember};
 use super::mismatch::Due;
 use super::scope::Scope;
 use super::types::{Quantity, Type};
@@ -199,10 +199,10 @@ impl<'p> Checker<'p> {
             return;
         };
         for slot in self.slots_of(id) {
-            let Some(Held {
+            let Some(OwnedMember {
                 home,
                 member: Member::Binding(binding),
-            }) = self.held(id, &slot.name)
+            }) = self.owned_member(id, &slot.name)
             else {
                 continue;
             };

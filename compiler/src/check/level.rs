@@ -4,7 +4,7 @@
 //! This pass runs after the types of all definitions are right. Every value gets its level. Functions are
 //! followed with the levels of their arguments. Each statement has a highest permitted level.
 
-use super::member::{Held, Member, is_asked};
+use super::member::{Member, OwnedMember, is_asked};
 use super::scope::{Found, Scope};
 use super::types::Type;
 use super::{Checker, Progress};
@@ -205,8 +205,8 @@ pub(super) fn check(checker: &mut Checker<'_>) {
 }
 
 impl<'p> Levels<'_, 'p> {
-    /// Checks the condition of an analysis that ends its run. Steps end where it changes, so it needs a motion before accelerations
-    /// are known.
+    /// Checks the condition of an analysis that ends its run. Steps end where it changes, and accelerations are not
+    /// known there yet. So it may not use them.
     fn stop(&mut self, scope: Scope<'p>, condition: &Expr) {
         let level = self.level(&Place::of(scope), condition);
         self.bear(level, 1, condition.span, "a condition that ends a run");
@@ -458,11 +458,11 @@ impl<'p> Levels<'_, 'p> {
                     .flatten()
                     .find(|class| self.checker.program.fills(*class, home))
                     .unwrap_or(home);
-                let held = self
+                let owned = self
                     .checker
-                    .held(class, name)
-                    .unwrap_or(Held { home, member });
-                self.member(class, name, held, span)
+                    .owned_member(class, name)
+                    .unwrap_or(OwnedMember { home, member });
+                self.member(class, name, owned, span)
             }
             Some(Found::Top(id)) => self.top(id),
             None => match name {
@@ -502,7 +502,7 @@ impl<'p> Levels<'_, 'p> {
             Some(Progress::Open) => return Abstract::Number(FREE),
             None => {}
         }
-        if self.depth > super::DEEPEST {
+        if self.depth > super::DEEPEST_VALUES {
             return Abstract::Number(FREE);
         }
         self.known.insert(key.clone(), Progress::Open);
@@ -518,10 +518,10 @@ impl<'p> Levels<'_, 'p> {
         &mut self,
         class: DefinitionId,
         name: &str,
-        held: Held<'p>,
+        owned: OwnedMember<'p>,
         span: Span,
     ) -> Abstract<'p> {
-        let Held { home: id, member } = held;
+        let OwnedMember { home: id, member } = owned;
         let place = Place::in_class(id, class);
         let of_interface = self
             .checker
@@ -631,7 +631,8 @@ impl<'p> Levels<'_, 'p> {
                 if let Some(value) = fields.get(&name.text) {
                     return value.clone();
                 }
-                let Some(Held { home, member }) = self.checker.held(id, &name.text) else {
+                let Some(OwnedMember { home, member }) = self.checker.owned_member(id, &name.text)
+                else {
                     return Abstract::Number(FREE);
                 };
                 let place = Place {
@@ -644,8 +645,8 @@ impl<'p> Levels<'_, 'p> {
                     _ => Abstract::Number(FREE),
                 }
             }
-            Abstract::Instance(id) => match self.checker.held(id, &name.text) {
-                Some(held) => self.member(id, &name.text, held, name.span),
+            Abstract::Instance(id) => match self.checker.owned_member(id, &name.text) {
+                Some(owned) => self.member(id, &name.text, owned, name.span),
                 None => Abstract::Number(FREE),
             },
             Abstract::Class(_)
@@ -754,7 +755,7 @@ impl<'p> Levels<'_, 'p> {
         all: Level,
     ) -> Abstract<'p> {
         self.calls += 1;
-        if self.calls > MOST_CALLS || self.depth > super::DEEPEST {
+        if self.calls > MOST_CALLS || self.depth > super::DEEPEST_VALUES {
             return Abstract::Number(all);
         }
         self.depth += 1;

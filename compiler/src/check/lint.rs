@@ -60,8 +60,8 @@ impl<'p> Checker<'p> {
         accepting.is_some()
     }
 
-    /// Warns of values that have the name of a unit, at their declarations: after a number the name is the unit. The
-    /// library is left out, because the units of a program may be the user's.
+    /// Warns of values that have the name of a unit, at their declarations. After a number, such a name is the unit.
+    /// The library is left out, because a user may define a unit with the name of one of its values.
     pub(super) fn values_named_like_units(&mut self) {
         for module in &self.program.modules {
             if !module.path.starts_with("std.") {

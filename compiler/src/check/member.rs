@@ -45,24 +45,24 @@ impl Member<'_> {
 
 /// A member with the definition whose text has it: the class itself or one of its interfaces.
 #[derive(Clone, Copy)]
-pub(super) struct Held<'p> {
+pub(super) struct OwnedMember<'p> {
     pub(super) home: DefinitionId,
     pub(super) member: Member<'p>,
 }
 
 /// The named members of a definition, with those of its interfaces.
 pub(super) struct ClassTable<'p> {
-    pub(super) members: BTreeMap<&'p str, Held<'p>>,
+    pub(super) members: BTreeMap<&'p str, OwnedMember<'p>>,
 }
 
 impl<'p> Checker<'p> {
-    /// The members of a definition and of its interfaces. A member that an interface only requires is that
-    /// of the class that gives it. Making the table reports repeated names.
+    /// The members of a definition and of its interfaces. If an interface only requires a member, the table has the
+    /// member of the class. Making the table reports repeated names.
     pub(super) fn class_table(&mut self, id: DefinitionId) -> Rc<ClassTable<'p>> {
         if let Some(table) = self.tables.get(&id) {
             return table.clone();
         }
-        let mut members: BTreeMap<&'p str, Held<'p>> = BTreeMap::new();
+        let mut members: BTreeMap<&'p str, OwnedMember<'p>> = BTreeMap::new();
         for home in self.program.lineage(id) {
             let kind = self.declaration(home).map(|declaration| declaration.kind);
             // a class may give its own value of an output that its interface computes
@@ -80,7 +80,7 @@ impl<'p> Checker<'p> {
                     elder.home != home
                         && (gives(member, elder.member) || anew(member, elder.member))
                 }) {
-                    members.insert(name, Held { home, member });
+                    members.insert(name, OwnedMember { home, member });
                 } else if let Some(elder) = elder {
                     self.named_before(home, name, place, elder);
                 }
@@ -93,12 +93,12 @@ impl<'p> Checker<'p> {
             for (name, torque) in [("force", false), ("torque", true)] {
                 let reaction = Member::Reaction(torque);
                 // a reaction is the output that an interface requires
-                if members.get(name).is_none_or(|held| is_asked(held.member)) {
-                    let held = Held {
+                if members.get(name).is_none_or(|owned| is_asked(owned.member)) {
+                    let owned = OwnedMember {
                         home: id,
                         member: reaction,
                     };
-                    members.insert(name, held);
+                    members.insert(name, owned);
                 }
             }
         }
@@ -142,7 +142,7 @@ impl<'p> Checker<'p> {
         &mut self,
         id: DefinitionId,
         own: &[(&'p Name, Member<'p>)],
-        elder: &BTreeMap<&'p str, Held<'p>>,
+        elder: &BTreeMap<&'p str, OwnedMember<'p>>,
     ) -> Vec<(&'p String, Span, Member<'p>)> {
         let mut found: Vec<(&'p String, Span, Member<'p>)> = Vec::new();
         for (_, member) in own {
@@ -155,7 +155,7 @@ impl<'p> Checker<'p> {
                 continue;
             };
             // the length of an array of an interface is that of the class, too
-            if matches!(elder.get(word.as_str()), Some(held) if matches!(held.member, Member::Length(_)))
+            if matches!(elder.get(word.as_str()), Some(owned) if matches!(owned.member, Member::Length(_)))
             {
                 self.findings.lengths.insert(span);
                 continue;
@@ -179,7 +179,13 @@ impl<'p> Checker<'p> {
     }
 
     /// Reports a name that the definition or one of its interfaces has already.
-    fn named_before(&mut self, home: DefinitionId, name: &str, place: Span, elder: Held<'p>) {
+    fn named_before(
+        &mut self,
+        home: DefinitionId,
+        name: &str,
+        place: Span,
+        elder: OwnedMember<'p>,
+    ) {
         let Some(first) = elder.member.span() else {
             return;
         };
@@ -216,7 +222,11 @@ impl<'p> Checker<'p> {
     }
 
     /// Refuses members of joints and drives called `force` or `torque`: these names are their reactions.
-    fn reactions_are_taken(&mut self, id: DefinitionId, members: &BTreeMap<&'p str, Held<'p>>) {
+    fn reactions_are_taken(
+        &mut self,
+        id: DefinitionId,
+        members: &BTreeMap<&'p str, OwnedMember<'p>>,
+    ) {
         let Some(declaration) = self.declaration(id) else {
             return;
         };
@@ -229,7 +239,7 @@ impl<'p> Checker<'p> {
             return;
         }
         for name in ["force", "torque"] {
-            let Some(own) = members.get(name).and_then(|held| held.member.span()) else {
+            let Some(own) = members.get(name).and_then(|owned| owned.member.span()) else {
                 continue;
             };
             let word = super::describe::with_article(super::describe::kind_word(declaration.kind));
@@ -266,8 +276,8 @@ impl<'p> Checker<'p> {
     /// Refuses an index with the name of an item of the definition around it.
     pub(super) fn not_member(&mut self, scope: &Scope<'p>, name: &Name) {
         for definition in [scope.at_use, scope.definition].into_iter().flatten() {
-            let held = self.held(definition, &name.text);
-            if let Some(first) = held.and_then(|held| held.member.span()) {
+            let owned = self.owned_member(definition, &name.text);
+            if let Some(first) = owned.and_then(|owned| owned.member.span()) {
                 self.defined_twice(&name.text, name.span, first);
                 return;
             }
@@ -275,11 +285,11 @@ impl<'p> Checker<'p> {
     }
 
     pub(super) fn member(&mut self, id: DefinitionId, name: &str) -> Option<Member<'p>> {
-        self.held(id, name).map(|held| held.member)
+        self.owned_member(id, name).map(|owned| owned.member)
     }
 
     /// A member with the definition whose text has it.
-    pub(super) fn held(&mut self, id: DefinitionId, name: &str) -> Option<Held<'p>> {
+    pub(super) fn owned_member(&mut self, id: DefinitionId, name: &str) -> Option<OwnedMember<'p>> {
         self.class_table(id).members.get(name).copied()
     }
 }

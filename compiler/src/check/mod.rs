@@ -61,7 +61,7 @@ use types::{Signature, Type};
 
 /// Most values and functions that build on each other. Elaboration and the stack have room for this depth. A
 /// choice: texts have some ten.
-const DEEPEST: u32 = 100;
+const DEEPEST_VALUES: u32 = 100;
 
 /// The progress of the inference of a named value.
 #[derive(Clone)]
@@ -196,13 +196,13 @@ impl<'p> Checker<'p> {
     /// Whether the depth limit allows one more value inside those being inferred. If not, it gives an error
     /// at `span`.
     fn deeper(&mut self, span: Span) -> bool {
-        if self.depth < DEEPEST {
+        if self.depth < DEEPEST_VALUES {
             return true;
         }
         self.report(
             Diagnostic::error(
                 codes::TOO_DEEP,
-                format!("more than {DEEPEST} values build on each other"),
+                format!("more than {DEEPEST_VALUES} values build on each other"),
             )
             .at(span, "here it is too deep")
             .with_help("shorten the chain"),
@@ -297,11 +297,11 @@ impl<'p> Checker<'p> {
     fn name_types(&mut self) {
         let named = &mut self.findings.named;
         for (id, table) in &self.tables {
-            for (name, held) in &table.members {
-                if !matches!(held.member, Member::Parameter(_) | Member::Binding(_)) {
+            for (name, owned) in &table.members {
+                if !matches!(owned.member, Member::Parameter(_) | Member::Binding(_)) {
                     continue;
                 }
-                let at_home = (held.home, (*name).to_owned());
+                let at_home = (owned.home, (*name).to_owned());
                 if let Some(Progress::Done(ty)) = self.values.get(&at_home) {
                     named.insert((*id, at_home.1), ty.exported());
                 }

@@ -4,7 +4,8 @@
 //! names of the class in whose use the block is; members of the surrounding definition; names of the module;
 //! names of the language.
 
-use super::member::{Held, Member};
+use super::body::states;
+use super::member::{Member, OwnedMember};
 use super::types::{BodyRef, Quantity, Type};
 use super::{Checker, Progress};
 use crate::codes;
@@ -87,7 +88,7 @@ impl<'p> Checker<'p> {
             return Some(Found::BodyMarker(marker));
         }
         for definition in [scope.at_use, scope.definition].into_iter().flatten() {
-            if let Some(Held { home, member }) = self.held(definition, name) {
+            if let Some(OwnedMember { home, member }) = self.owned_member(definition, name) {
                 self.used.insert((home, name.to_owned()));
                 return Some(Found::Member(home, member));
             }
@@ -212,7 +213,9 @@ impl<'p> Checker<'p> {
             Diagnostic::error(codes::UNKNOWN_NAME, format!("there is no `{name}` here"))
                 .at(span, "not known");
         let filling = scope.definition.and_then(|id| self.filling_with(id, name));
-        let changed = self.changed.filter(|id| self.held(*id, name).is_some());
+        let changed = self
+            .changed
+            .filter(|id| self.owned_member(*id, name).is_some());
         if let Some(class) = changed {
             message = message.with_help(format!(
                 "`{}` has it, but a value after `with` belongs to the text around the part, as an argument does",
@@ -260,7 +263,7 @@ impl<'p> Checker<'p> {
         let fills = |id: &DefinitionId| *id != interface && self.program.fills(*id, interface);
         let filling: Vec<DefinitionId> = all.filter(fills).collect();
         let mut filling = filling.into_iter();
-        let class = filling.find(|id| self.held(*id, name).is_some())?;
+        let class = filling.find(|id| self.owned_member(*id, name).is_some())?;
         Some(self.class_name(class))
     }
 
@@ -441,11 +444,7 @@ impl<'p> Checker<'p> {
         match self.values.get(&key) {
             Some(Progress::Done(ty)) => return ty.clone(),
             Some(Progress::Open) => {
-                self.report(
-                    Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
-                        .at(span, "this value depends on itself")
-                        .with_help("the order of items does not matter, but no value may follow from itself"),
-                );
+                self.report(value_circle(span));
                 self.values.insert(key, Progress::Done(Type::Error));
                 return Type::Error;
             }
@@ -484,7 +483,7 @@ impl<'p> Checker<'p> {
         name: &Name,
         by_interface: bool,
     ) -> Type {
-        let Some(Held { home, member }) = self.held(id, &name.text) else {
+        let Some(OwnedMember { home, member }) = self.owned_member(id, &name.text) else {
             let table = self.class_table(id);
             let class = self
                 .declaration(id)
@@ -571,13 +570,14 @@ pub(super) fn marker_of<'p>(body: &'p Declaration, name: &str) -> Option<&'p Dec
 }
 
 fn has_mass(body: &Declaration) -> bool {
-    body.kind == Kind::Body
-        && body.block().is_some_and(|block| {
-            block
-                .items
-                .iter()
-                .any(|item| matches!(&item.kind, ItemKind::Attribute(a) if a.name.text == "mass"))
-        })
+    body.kind == Kind::Body && states(body, "mass")
+}
+
+/// The message about a value that depends on itself.
+pub(super) fn value_circle(span: Span) -> Diagnostic {
+    Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
+        .at(span, "this value depends on itself")
+        .with_help("the order of items does not matter, but no value may follow from itself")
 }
 
 /// N m.

@@ -124,8 +124,8 @@ impl<'p> Checker<'p> {
         let mut known = Vec::new();
         if let Some(id) = scope.definition {
             let table = self.class_table(id);
-            for (name, held) in &table.members {
-                match self.member_type(held.home, name, held.member, marker.span) {
+            for (name, owned) in &table.members {
+                match self.member_type(owned.home, name, owned.member, marker.span) {
                     Type::Marker => known.push((*name).to_owned()),
                     Type::List { element, .. } if *element == Type::Marker => {
                         known.push(format!("{name}[1]"));
@@ -202,7 +202,8 @@ impl<'p> Checker<'p> {
         self.diagnostics.extend(found);
     }
 
-    /// `start target = value` in a model, or after `with`: then the target is inside of the part and the value outside.
+    /// `start target = value` in a model, or after `with`. After `with` the target is inside of the part, and the
+    /// value is of the text around it.
     pub(super) fn start(
         &mut self,
         inside: &Scope<'p>,

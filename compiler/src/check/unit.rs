@@ -94,8 +94,8 @@ impl<'p> Checker<'p> {
         true
     }
 
-    /// Reports units after values, where the text is a value, too: `3 N*depth/mm`. One message stands for all
-    /// units of a product, and its remedy moves all of them, because remedies of single ones would overlap.
+    /// Reports units after values, where the text is a value, too: `3 N*depth/mm`. One message stands for all units
+    /// of a product. Its remedy moves all of them, because remedies of single units would overlap.
     pub(super) fn units_behind_values(
         &mut self,
         scope: &Scope<'p>,

@@ -101,10 +101,10 @@ impl<'a> Elaborator<'a, '_> {
         if a == b {
             return true;
         }
-        let constants = self.bench.bind.slots();
+        let constants = self.graphs.bind.slots();
         let known = |slot: &Slot| {
             let node = constants.get(slot.0 as usize)?;
-            self.bench.bind.graph.as_constant(*node)
+            self.graphs.bind.graph.as_constant(*node)
         };
         match (a, b) {
             (Axes::Ground, Axes::Ground) => true,
@@ -168,6 +168,24 @@ impl<'a> Elaborator<'a, '_> {
         })
     }
 
+    /// A value of one number for each pair of components. Both values have equal lengths and axes.
+    pub fn pairwise(
+        &mut self,
+        (a, a_span): (Value<'a>, Span),
+        (b, b_span): (Value<'a>, Span),
+        mut number: impl FnMut(&mut Self, Scalar, Scalar) -> Scalar,
+    ) -> Eval<Value<'a>> {
+        let (x, p) = self.sorted(a, a_span)?;
+        let (y, q) = self.sorted(b, b_span)?;
+        if x.len() != y.len() {
+            return Err(self.lengths(x.len(), a_span, y.len(), b_span));
+        }
+        let sort = self.together((p, a_span), (q, b_span))?;
+        let pairs = x.into_iter().zip(y);
+        let numbers = pairs.map(|(x, y)| number(self, x, y)).collect();
+        Ok(Self::of_sort(numbers, sort))
+    }
+
     /// The value of numbers with a meaning.
     pub fn of_sort(numbers: Vec<Scalar>, sort: Sort) -> Value<'a> {
         match (<[Scalar; 3]>::try_from(numbers), sort) {
@@ -203,7 +221,7 @@ impl<'a> Elaborator<'a, '_> {
                 for item in &items {
                     match item {
                         Value::Scalar(s) => numbers.push(*s),
-                        Value::Int(i) => numbers.push(self.bench.constant(*i as f64)),
+                        Value::Int(i) => numbers.push(self.graphs.constant(*i as f64)),
                         _ => return Value::List(items),
                     }
                 }
@@ -231,7 +249,7 @@ impl<'a> Elaborator<'a, '_> {
     /// Notes that a parameter is declared as a point, so `--set` may use units with a shifted zero.
     fn counted_from_a_zero(&mut self, value: Scalar) {
         if value.stage == Stage::Bind
-            && let Op::Input(index) = self.bench.bind.graph.op(value.node)
+            && let Op::Input(index) = self.graphs.bind.graph.op(value.node)
             && let Some(parameter) = self.draft.parameters.get_mut(index as usize)
         {
             parameter.point = true;

@@ -9,9 +9,9 @@ use eng_system::system::{Location, Origin, Parameter, Slot};
 use eng_system::table::{Outside, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The largest number that a model may hold (SI): its square is still a number. A choice: no quantity of an
-/// engine comes near, and a larger number would overflow within a formula, where no message names it.
-const LARGEST: f64 = 1e150;
+/// The largest number that a model may hold (SI). Its square does not overflow. A choice: no quantity of an engine
+/// comes near. A larger number would overflow within a formula, where no message names it.
+const LARGEST_SLOT: f64 = 1e150;
 
 /// The node with the default of a parameter.
 pub type ParameterDefault = Node;
@@ -352,7 +352,7 @@ impl BindCode for BindProgram {
                 outside: self.outside(&values, tables),
             });
         }
-        if let Some(i) = slots.iter().position(|v| v.abs() > LARGEST) {
+        if let Some(i) = slots.iter().position(|v| v.abs() > LARGEST_SLOT) {
             return Err(BindError::TooLarge {
                 path: owner(i),
                 value: slots[i],

@@ -73,8 +73,8 @@ fn is_same(a: &Value<'_>, b: &Value<'_>) -> bool {
 }
 
 impl<'a> Elaborator<'a, '_> {
-    /// Makes each number in a value that depends on parameters alone a parameter of its own. So `--set` can
-    /// set it by its path, and it is no constant of the generated code.
+    /// Makes a parameter of each number in a value. The value depends on parameters alone. So `--set` can set the
+    /// number by its path, and it is no constant of the generated code.
     pub fn parameterise(
         &mut self,
         value: Value<'a>,
@@ -128,7 +128,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         match value {
             Value::Int(i) => {
-                let s = self.bench.constant(i as f64);
+                let s = self.graphs.constant(i as f64);
                 self.parameters_of(Value::Scalar(s), path, stated, limited)
             }
             Value::Scalar(s) if s.stage == Stage::Bind => {
@@ -175,7 +175,7 @@ impl<'a> Elaborator<'a, '_> {
                     limits,
                 });
                 self.draft.parameter_defaults.push(s.node);
-                let node = self.bench.bind.graph.input(index);
+                let node = self.graphs.bind.graph.input(index);
                 Ok(Value::Scalar(Scalar { node, ..s }))
             }
             value @ Value::Shown(_) => {
@@ -341,7 +341,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The unit of the parameter in a value: `bore/2` has the unit of `bore`.
     fn unit_of_parameter(&self, value: Scalar, dimension: Dimension) -> Option<DisplayUnit> {
-        let graph = &self.bench.bind.graph;
+        let graph = &self.graphs.bind.graph;
         let mut waiting = vec![value.node];
         // a parameter deeper than this in the expression is hardly the quantity of the value
         for _ in 0..32 {
@@ -388,15 +388,15 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The display unit of a dimension without a stated unit.
+    /// The SI unit of a dimension, by its own name if it has one, and `deg` and `rpm`. Outputs without a stated unit
+    /// have it. Parameters without one have a usual unit, if there is one.
     pub fn natural_unit(&self, dimension: Dimension) -> DisplayUnit {
         let plain = dimension.without_angle();
         // a unit with a name of its own, if there is one
-        for symbol in ["N", "Pa", "J", "W", "deg", "rpm", "Hz"] {
+        for symbol in ["N", "Pa", "W", "deg", "rpm", "Hz"] {
             if let Some(unit) = self.program.units.get(symbol) {
                 let same = match symbol {
                     "deg" | "rpm" => unit.dimension == dimension,
-                    "J" => false,
                     _ => unit.dimension == plain && unit.dimension == dimension,
                 };
                 if same {

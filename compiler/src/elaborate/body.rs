@@ -44,7 +44,7 @@ impl<'a> Elaborator<'a, '_> {
         let module = self.scope(outer).module;
         let own = self.new_scope(Some(outer), module, path.to_owned());
         self.accepted_in(&block.items, path);
-        path.clone_into(&mut self.bench.bind.owner);
+        path.clone_into(&mut self.graphs.bind.owner);
         Ok(own)
     }
 
@@ -186,7 +186,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn positive_mass(&mut self, node: Node, display: DisplayUnit, path: &str, span: Span) {
-        let graph = &mut self.bench.bind.graph;
+        let graph = &mut self.graphs.bind.graph;
         let zero = graph.constant(0.0);
         let flag = graph.less(zero, node);
         let message = vec![
@@ -198,7 +198,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Requires that no principal moment exceeds the sum of the others, as in every real body.
     fn triangle(&mut self, moments: [Node; 3], i: usize, path: &str, span: Span) {
-        let graph = &mut self.bench.bind.graph;
+        let graph = &mut self.graphs.bind.graph;
         let others = graph.add(moments[(i + 1) % 3], moments[(i + 2) % 3]);
         // a flat plate is exactly at the limit; this allows for rounding of its sum
         let slack = graph.constant(1.0 + 1e-9);
@@ -226,7 +226,7 @@ impl<'a> Elaborator<'a, '_> {
         path: &str,
         span: Span,
     ) {
-        let holds = self.bench.flag_number(super::scalar::Flag {
+        let holds = self.graphs.flag_number(super::scalar::Flag {
             stage: Stage::Bind,
             node: flag,
         });

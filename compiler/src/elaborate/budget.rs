@@ -7,7 +7,7 @@ use eng_grammar::Diagnostic;
 const MOST_INSTANCES: usize = 20_000;
 /// Deepest nesting of calls, lets and parts. A choice: texts have some ten, and the stack has room for this
 /// depth.
-const DEEPEST: u32 = 100;
+const DEEPEST_USES: u32 = 100;
 /// Most calls and named values that are evaluated for one model. Elaboration inserts a function at each call,
 /// so thirty functions that each call the next one twice would be inserted a billion times. The number is a
 /// choice.
@@ -39,10 +39,10 @@ impl Budget {
     /// Counts a use, and enters one level. [`Budget::leave`] leaves it. An error without a message repeats
     /// one that has been reported.
     pub fn enter(&mut self) -> Result<(), Option<Box<Diagnostic>>> {
-        if self.depth >= DEEPEST {
+        if self.depth >= DEEPEST_USES {
             let message = Diagnostic::error(
                 codes::ENDLESS,
-                format!("more than {DEEPEST} uses are nested in each other"),
+                format!("more than {DEEPEST_USES} uses are nested in each other"),
             );
             return Err(Some(Box::new(
                 message.with_help("does a function or a component use itself?"),

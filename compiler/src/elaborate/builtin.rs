@@ -1,7 +1,7 @@
 //! Evaluation of the functions of the language.
 
 use super::axes::Sort;
-use super::scalar::{Scalar, Stage, Workbench};
+use super::scalar::{GraphBuilder, Scalar, Stage};
 use super::typed::MarkerIndex;
 use super::value::{Axes, ScopeId, Value};
 use super::{Elaborator, Eval};
@@ -44,7 +44,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<()> {
         let known = match x.stage {
-            Stage::Bind => self.bench.bind.graph.as_constant(x.node),
+            Stage::Bind => self.graphs.bind.graph.as_constant(x.node),
             Stage::Motion => None,
         };
         let Some(value) = known.filter(|value| value.abs() > std::f64::consts::TAU) else {
@@ -102,7 +102,7 @@ impl<'a> Elaborator<'a, '_> {
         match function.kind {
             Kind::Plain(op) | Kind::ToAngle(op) => {
                 let x = self.only_scalar(values, span)?;
-                let value = self.bench.unary(x, |g, n| g.unary(op, n));
+                let value = self.graphs.unary(x, |g, n| g.unary(op, n));
                 if matches!(op, Elementary::Acos | Elementary::Asin) {
                     self.note_kink(value.stage, value.node, 0, span, span, scope)?;
                 }
@@ -112,7 +112,7 @@ impl<'a> Elaborator<'a, '_> {
                 let argument = values.first().map_or(span, |(_, place)| *place);
                 let x = self.only_scalar(values, span)?;
                 self.angle_without_unit(name, x, argument, span, scope)?;
-                Ok(Value::Scalar(self.bench.unary(x, |g, n| g.unary(op, n))))
+                Ok(Value::Scalar(self.graphs.unary(x, |g, n| g.unary(op, n))))
             }
             Kind::Numbers if name == "wrapped" => {
                 let path = self.scope(scope).path.clone();
@@ -123,7 +123,7 @@ impl<'a> Elaborator<'a, '_> {
             Kind::Numbers if name == "atan2" => {
                 let y = values.first().map_or(span, |(_, place)| *place);
                 let [a, b] = self.scalars::<2>(values, span)?;
-                let angle = self.bench.binary(a, b, Graph::atan2);
+                let angle = self.graphs.binary(a, b, Graph::atan2);
                 self.note_kink(angle.stage, angle.node, 0, y, span, scope)?;
                 Ok(Value::Scalar(angle))
             }
@@ -149,8 +149,8 @@ impl<'a> Elaborator<'a, '_> {
         // of three and more numbers the operation is a chain
         loop {
             self.note_kink(stage, node, 0, span, span, scope)?;
-            let before = match (stage, self.bench.element.as_ref()) {
-                (Stage::Bind, _) => self.bench.bind.graph.op(node),
+            let before = match (stage, self.graphs.element.as_ref()) {
+                (Stage::Bind, _) => self.graphs.bind.graph.op(node),
                 (Stage::Motion, Some(element)) => element.graph.op(node),
                 _ => return Ok(value),
             };
@@ -174,10 +174,10 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Scalar> {
         let place = values.last().map_or(span, |(_, place)| *place);
         let [angle, period] = self.scalars::<2>(values, span)?;
-        let from = from.unwrap_or_else(|| self.bench.constant(-std::f64::consts::PI));
+        let from = from.unwrap_or_else(|| self.graphs.constant(-std::f64::consts::PI));
         let node = self.bind_node(period, place)?;
         let message = "the period of `wrapped` must be positive".to_owned();
-        match self.bench.known(period) {
+        match self.graphs.known(period) {
             Some(known) if known > 0.0 && known.is_finite() => {}
             Some(known) => {
                 let message = Diagnostic::error(codes::REQUIRED, message);
@@ -185,44 +185,44 @@ impl<'a> Elaborator<'a, '_> {
                 return Err(self.report(message.at(place, found)));
             }
             None => {
-                let graph = &mut self.bench.bind.graph;
+                let graph = &mut self.graphs.bind.graph;
                 let zero = graph.constant(0.0);
                 let positive = graph.less(zero, node);
                 let message = vec![super::MessagePart::Text(message)];
                 self.bind_check(positive, message, path, place);
             }
         }
-        let bench = &mut self.bench;
-        let operations = |bench: &Workbench| {
-            bench
+        let graphs = &mut self.graphs;
+        let operations = |graphs: &GraphBuilder| {
+            graphs
                 .element
                 .as_ref()
                 .map_or(0, |e| e.graph.nodes().len() as u32)
         };
-        let before = operations(bench);
-        let offset = bench.subtract(angle, from);
-        let periods = bench.divide(offset, period);
-        let count = bench.unary(periods, whole_number_below);
-        let shift = bench.multiply(count, period);
-        let near = bench.subtract(angle, shift);
+        let before = operations(graphs);
+        let offset = graphs.subtract(angle, from);
+        let periods = graphs.divide(offset, period);
+        let count = graphs.unary(periods, whole_number_below);
+        let shift = graphs.multiply(count, period);
+        let near = graphs.subtract(angle, shift);
         // rounding may leave the angle at the upper end, which belongs to the next period, or below the lower
-        let end = bench.add(from, period);
-        let beyond = bench.binary(near, end, |graph, near, end| {
+        let end = graphs.add(from, period);
+        let beyond = graphs.binary(near, end, |graph, near, end| {
             let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
             let inside = graph.less(near, end);
             graph.select(inside, zero, one)
         });
-        let shift = bench.multiply(beyond, period);
-        let near = bench.subtract(near, shift);
-        let near = bench.binary(near, from, Graph::maximum);
-        let after = operations(bench);
+        let shift = graphs.multiply(beyond, period);
+        let near = graphs.subtract(near, shift);
+        let near = graphs.binary(near, from, Graph::maximum);
+        let after = operations(graphs);
         // a function that is zero at the ends of the interval and changes there at the rate of the angle
-        let half_turn = bench.constant(std::f64::consts::PI);
-        let half_turns = bench.multiply(periods, half_turn);
-        let sine = bench.unary(half_turns, |graph, x| graph.unary(Elementary::Sin, x));
-        let size = bench.divide(period, half_turn);
-        let ends = bench.multiply(size, sine);
-        if let Some(element) = bench.element.as_mut() {
+        let half_turn = graphs.constant(std::f64::consts::PI);
+        let half_turns = graphs.multiply(periods, half_turn);
+        let sine = graphs.unary(half_turns, |graph, x| graph.unary(Elementary::Sin, x));
+        let size = graphs.divide(period, half_turn);
+        let ends = graphs.multiply(size, sine);
+        if let Some(element) = graphs.element.as_mut() {
             element.turns.extend((before..after).map(Node));
             if near.stage == Stage::Motion {
                 element.wraps.push((near.node, ends.node));
@@ -242,13 +242,13 @@ impl<'a> Elaborator<'a, '_> {
                 Some((Value::Int(i), _)) if i != i64::MIN => Ok(Value::Int(i.abs())),
                 Some((v, s)) => {
                     let x = self.as_scalar(v, s)?;
-                    Ok(Value::Scalar(self.bench.unary(x, Graph::abs)))
+                    Ok(Value::Scalar(self.graphs.unary(x, Graph::abs)))
                 }
                 None => self.arguments(span),
             },
             "sqrt" => {
                 let x = self.only_scalar(values, span)?;
-                Ok(Value::Scalar(self.bench.sqrt(x)))
+                Ok(Value::Scalar(self.graphs.sqrt(x)))
             }
             _ => self.checked(None, span, &format!("there is no `{name}`")),
         }
@@ -270,7 +270,7 @@ impl<'a> Elaborator<'a, '_> {
                     return Err(self.lengths(x.len(), a.1, y.len(), b.1));
                 }
                 self.together((p, a.1), (q, b.1))?;
-                Ok(Value::Scalar(self.bench.dot(&x, &y)))
+                Ok(Value::Scalar(self.graphs.dot(&x, &y)))
             }
             "cross" => {
                 let [a, b] = self.exactly::<2>(values, span)?;
@@ -279,7 +279,7 @@ impl<'a> Elaborator<'a, '_> {
                 let x = self.three(x, a.1)?;
                 let y = self.three(y, b.1)?;
                 let sort = self.together((p, a.1), (q, b.1))?;
-                let c = self.bench.cross(&x, &y);
+                let c = self.graphs.cross(&x, &y);
                 Ok(Self::of_sort(c.to_vec(), sort))
             }
             "norm" => {
@@ -289,12 +289,12 @@ impl<'a> Elaborator<'a, '_> {
                     Value::Shown(shown) => shown.components.to_vec(),
                     other => self.as_components(other, a.1)?,
                 };
-                let mut square = self.bench.dot(&x, &x);
+                let mut square = self.graphs.dot(&x, &x);
                 if let Some(f) = floor {
-                    let f2 = self.bench.multiply(f, f);
-                    square = self.bench.add(square, f2);
+                    let f2 = self.graphs.multiply(f, f);
+                    square = self.graphs.add(square, f2);
                 }
-                Ok(Value::Scalar(self.bench.sqrt(square)))
+                Ok(Value::Scalar(self.graphs.sqrt(square)))
             }
             "perpendicular" => {
                 let [a] = self.exactly::<1>(values, span)?;
@@ -302,7 +302,7 @@ impl<'a> Elaborator<'a, '_> {
                 let &[x, y] = c.as_slice() else {
                     return self.arguments(span);
                 };
-                let minus_y = self.bench.negate(y);
+                let minus_y = self.graphs.negate(y);
                 Ok(Self::of_sort(vec![minus_y, x], sort))
             }
             "local" | "vector" => {
@@ -360,7 +360,7 @@ impl<'a> Elaborator<'a, '_> {
                     return Err(self.nothing(name, span));
                 };
                 for x in rest {
-                    best = self.bench.binary(best, x, op);
+                    best = self.graphs.binary(best, x, op);
                 }
                 Ok(Value::Scalar(best))
             }
@@ -379,11 +379,11 @@ impl<'a> Elaborator<'a, '_> {
                     // the type of the list states the dimension
                     return Ok(match self.type_at(span)? {
                         Type::Int => Value::Int(0),
-                        _ => Value::Scalar(self.bench.constant(0.0)),
+                        _ => Value::Scalar(self.graphs.constant(0.0)),
                     });
                 };
                 for x in rest {
-                    sum = self.bench.add(sum, x);
+                    sum = self.graphs.add(sum, x);
                 }
                 Ok(Value::Scalar(sum))
             }
@@ -415,14 +415,14 @@ impl<'a> Elaborator<'a, '_> {
     /// The place of a number in a list, from 1. Numbers that differ by rounding alone are the same.
     fn index_of(&mut self, values: Vec<(Value<'a>, Span)>, span: Span) -> Eval<Value<'a>> {
         // numbers of different units are converted with different rounding
-        const ROUNDING: f64 = 1e-12;
+        const CONVERSION_ROUNDING: f64 = 1e-12;
         let [list, value] = self.exactly::<2>(values, span)?;
         let (place, value_place) = (list.1, value.1);
         let value = self.as_scalar(value.0, value_place)?;
         let value = self.structural(value, value_place)?;
         for (index, item) in self.numbers_of(vec![list])?.into_iter().enumerate() {
             let item = self.structural(item, place)?;
-            if (item - value).abs() <= ROUNDING * value.abs() {
+            if (item - value).abs() <= CONVERSION_ROUNDING * value.abs() {
                 return Ok(Value::Int(index as i64 + 1));
             }
         }
@@ -505,12 +505,11 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Unwrapped angle of marker a about b.z, from b.x to a.x: the reference (the angle at the last accepted
-    /// state) plus the difference in (−π, π], which is smooth as long as a step turns by less than half a
-    /// turn.
+    /// Unwrapped angle of marker a about b.z, from b.x to a.x: the reference (the angle at the last accepted state)
+    /// plus the difference in (−π, π]. It is smooth as long as a step turns by less than half a turn.
     pub fn rotation(&mut self, a: u32, b: u32, span: Span) -> Eval<Scalar> {
         let known = self
-            .bench
+            .graphs
             .element
             .as_ref()
             .and_then(|e| e.rotations.iter().find(|r| r.0 == a && r.1 == b))
@@ -525,9 +524,9 @@ impl<'a> Elaborator<'a, '_> {
         let ax = self.marker_axis(a, 0);
         let bx = self.marker_axis(b, 0);
         let by = self.marker_axis(b, 1);
-        let sine = self.bench.dot(&ax, &by).node;
-        let cosine = self.bench.dot(&ax, &bx).node;
-        let Some(element) = self.bench.element.as_mut() else {
+        let sine = self.graphs.dot(&ax, &by).node;
+        let cosine = self.graphs.dot(&ax, &bx).node;
+        let Some(element) = self.graphs.element.as_mut() else {
             return Err(super::Reported);
         };
         let index = element.rotations.len() as u32;
@@ -578,7 +577,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The time derivative of a value.
     pub fn rate_of(&mut self, value: Value<'a>, span: Span) -> Eval<Value<'a>> {
         let (components, sort) = match value {
-            Value::Int(_) => return Ok(Value::Scalar(self.bench.constant(0.0))),
+            Value::Int(_) => return Ok(Value::Scalar(self.graphs.constant(0.0))),
             value if value.is_several() => {
                 let (components, sort) = self.sorted(value, span)?;
                 (components, Some(sort))
@@ -588,11 +587,11 @@ impl<'a> Elaborator<'a, '_> {
         self.rates_known(&components, span)?;
         let nodes: Vec<Node> = components
             .iter()
-            .map(|s| self.bench.lift(s.stage, s.node))
+            .map(|s| self.graphs.lift(s.stage, s.node))
             .collect();
         let rates = self.context.rates.clone();
         let changing = self.rates_of_constants(&nodes);
-        let Some(element) = self.bench.element.as_mut() else {
+        let Some(element) = self.graphs.element.as_mut() else {
             // a value of parameters alone changes with inputs alone
             let known: Vec<Scalar> = nodes
                 .iter()
@@ -601,7 +600,7 @@ impl<'a> Elaborator<'a, '_> {
                         stage: Stage::Bind,
                         node,
                     },
-                    None => self.bench.constant(0.0),
+                    None => self.graphs.constant(0.0),
                 })
                 .collect();
             return Ok(match sort {

@@ -1,7 +1,7 @@
 //! Changes of the inside of a part: `part unit = Cylinder(…) with { shank.mass = 0.65 kg; start hinge.angle = 3 deg }`.
 //!
 //! A change waits under its path until elaboration makes the number of this path. So it replaces the text's own value
-//! before anything reads it. The changes of outer parts come first, and the first one of a path counts.
+//! before anything reads it. If several changes have one path, that of the outermost part counts.
 
 use super::body::index_text;
 use super::pending::{Pending, StartTarget};
@@ -234,7 +234,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The paths of the attributes that the body of a path states, without its mass, which is a parameter.
+    /// The paths of the attributes that the body at a path states. Its mass is not among them, because it is a
+    /// parameter.
     fn attributes_beside_mass(&self, part: &str) -> Vec<&str> {
         if self
             .draft
@@ -270,7 +271,7 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// A `start` or `guess` of a model, a component or a use. It takes the place of one that the text of an inner part
+    /// A `start` or `guess` of a model, a component or a use. It replaces the one that the text of an inner part
     /// states for the same target.
     pub fn start_of(
         &mut self,

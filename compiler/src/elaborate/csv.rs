@@ -4,6 +4,7 @@ use super::{Elaborator, Eval};
 use crate::codes;
 use eng_grammar::ast::{self, ExprKind};
 use eng_grammar::{Diagnostic, Span};
+use eng_system::delimited::{Delimited, name_and_unit};
 use eng_system::{Dimension, DisplayUnit};
 
 /// Columns of a file.
@@ -44,25 +45,13 @@ impl<'a> Elaborator<'a, '_> {
             return self.checked(None, columns.span, "`columns` is no list of as many texts");
         }
         let (path, text) = self.text_of_file(name, file.span, module)?;
-        let text = text.trim_start_matches('\u{feff}');
-        let mut lines = text
-            .lines()
-            .enumerate()
-            .filter(|(_, l)| !l.trim().is_empty() && !l.trim_start().starts_with('#'));
-        let Some((_, header)) = lines.next() else {
+        let Some(table) = Delimited::read(&text) else {
             return Err(self.report(
                 Diagnostic::error(codes::FILE_CONTENT, format!("{path} is empty"))
                     .at(file.span, "a file begins with the names of its columns"),
             ));
         };
-        let separator = if header.contains(';') {
-            ';'
-        } else if header.contains('\t') {
-            '\t'
-        } else {
-            ','
-        };
-        let header: Vec<&str> = cells(header, separator).collect();
+        let header = &table.header;
         let mut wanted_columns: Vec<Wanted<'_>> = Vec::with_capacity(names.len());
         for ((wanted, span), due) in names.iter().zip(due) {
             let index = match header.iter().position(|h| h == wanted) {
@@ -96,13 +85,7 @@ impl<'a> Elaborator<'a, '_> {
                 index,
             });
         }
-        let rows = Rows {
-            path: &path,
-            separator,
-            header: header.len(),
-            wanted: &wanted_columns,
-        };
-        let (numbers, row_lines) = self.rows_of_csv(lines, &rows, file.span)?;
+        let (numbers, lines) = self.rows_of_csv(&path, &table, &wanted_columns, file.span)?;
         let units = wanted_columns
             .into_iter()
             .map(|column| column.unit)
@@ -111,7 +94,7 @@ impl<'a> Elaborator<'a, '_> {
             path,
             numbers,
             units,
-            lines: row_lines,
+            lines,
         })
     }
 
@@ -143,38 +126,27 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// The numbers (SI) of the wanted columns, and the line of each row.
-    fn rows_of_csv<'t>(
+    fn rows_of_csv(
         &mut self,
-        lines: impl Iterator<Item = (usize, &'t str)>,
-        rows: &Rows<'_>,
+        path: &str,
+        table: &Delimited<'_>,
+        wanted: &[Wanted<'_>],
         file: Span,
     ) -> Eval<(Vec<Vec<f64>>, Vec<usize>)> {
-        let Rows {
-            path,
-            separator,
-            header,
-            wanted,
-        } = rows;
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
-        let mut numbers = Vec::new();
-        let mut row: Vec<&str> = Vec::with_capacity(*header);
-        for (number, line) in lines {
-            let number = number + 1;
-            row.clear();
-            row.extend(cells(line, *separator));
-            numbers.push(number);
-            // cells beyond the header, except empty ones after a separator at the end
-            if row.iter().skip(*header).any(|cell| !cell.is_empty()) {
+        for row in &table.rows {
+            let number = row.line;
+            if row.cells.len() > table.header.len() {
                 let message = Diagnostic::error(
                     codes::FILE_CONTENT,
                     format!(
                         "{path}:{number} has {} cells, but the first row names {}",
-                        row.len(),
-                        *header
+                        row.cells.len(),
+                        table.header.len()
                     ),
                 )
-                .at(file, format!("the line is {:?}", shortened(line)));
-                return Err(self.report(if *separator == ',' {
+                .at(file, format!("the line is {:?}", shortened(row.text)));
+                return Err(self.report(if table.separator == ',' {
                     message.with_help(
                         "with commas between the cells numbers have a decimal point; with decimal commas, separate the cells by `;` or tabs",
                     )
@@ -183,15 +155,9 @@ impl<'a> Elaborator<'a, '_> {
                 }));
             }
             for (Wanted { name, unit, index }, column) in wanted.iter().zip(&mut columns) {
-                let cell = row.get(*index).copied().unwrap_or_default();
-                // a comma is a decimal sign if it does not separate cells
-                let parsed = if *separator != ',' && cell.contains(',') {
-                    cell.replace(',', ".").parse::<f64>()
-                } else {
-                    cell.parse::<f64>()
-                };
-                match parsed {
-                    Ok(v) if v.is_finite() => column.push(unit.to_si(v)),
+                let cell = row.cells.get(*index).copied().unwrap_or_default();
+                match table.number(cell) {
+                    Some(v) if v.is_finite() => column.push(unit.to_si(v)),
                     _ => {
                         return Err(self.report(
                             Diagnostic::error(
@@ -211,7 +177,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
-        Ok((columns, numbers))
+        Ok((columns, table.rows.iter().map(|row| row.line).collect()))
     }
 
     /// The unit of `theta [deg]`.
@@ -221,10 +187,7 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         (expected, type_text): &(Dimension, String),
     ) -> Eval<DisplayUnit> {
-        let unit = header
-            .split_once('[')
-            .and_then(|(_, rest)| rest.split_once(']'))
-            .map_or("1", |(unit, _)| unit.trim());
+        let unit = name_and_unit(header).map_or("1", |(_, unit)| unit);
         if unit == "1" || unit.is_empty() {
             if !expected.without_angle().is_one() {
                 return Err(self.report(
@@ -293,16 +256,6 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// Settings for reading the rows of a file.
-struct Rows<'r> {
-    path: &'r str,
-    separator: char,
-    /// Number of columns in the first row.
-    header: usize,
-    /// The columns to read.
-    wanted: &'r [Wanted<'r>],
-}
-
 /// A column to read: its name, its unit, its position in the rows.
 struct Wanted<'r> {
     name: &'r str,
@@ -310,18 +263,12 @@ struct Wanted<'r> {
     index: usize,
 }
 
-/// The cells of a row without their quotes.
-fn cells(line: &str, separator: char) -> impl Iterator<Item = &str> {
-    line.split(separator)
-        .map(|cell| cell.trim().trim_matches('"').trim())
-}
-
 /// A line of a file, shortened for a message.
 fn shortened(line: &str) -> String {
     // a choice: a message has room for it
-    const SHOWN: usize = 40;
+    const SHOWN_CHARACTERS: usize = 40;
     let line = line.trim();
-    match line.char_indices().nth(SHOWN) {
+    match line.char_indices().nth(SHOWN_CHARACTERS) {
         Some((end, _)) => format!("{}…", &line[..end]),
         None => line.to_owned(),
     }

@@ -1,7 +1,7 @@
 //! The elaboration of one model from start to end, and the resulting flat system.
 
 use super::pending::Pending;
-use super::scalar::Workbench;
+use super::scalar::GraphBuilder;
 use super::value::{ScopeId, Value};
 use super::{BindProgram, ClassMeta, Elaborator, Entry, Eval, Reported};
 use crate::codes;
@@ -139,7 +139,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             sources,
             host,
             diagnostics,
-            bench: Workbench::default(),
+            graphs: GraphBuilder::default(),
             scopes: Vec::new(),
             module_scopes: Vec::new(),
             budget: Default::default(),
@@ -163,7 +163,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
             Structural::Bool(b) => Value::Bool(*b),
             Structural::Text(t) => Value::Text(t.clone()),
             Structural::Choice(id, word) => Value::Choice(*id, *word),
-            Structural::Number(v) => Value::Scalar(self.bench.constant(*v)),
+            Structural::Number(v) => Value::Scalar(self.graphs.constant(*v)),
             Structural::ModeSet(parts) => Value::ModeSet(std::rc::Rc::new(parts.clone())),
             Structural::List(items) => {
                 Value::List(items.iter().map(|v| self.structural_value(v)).collect())
@@ -209,7 +209,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         self.lost_changes();
         self.finish_pending();
         let cycle = self.lower_cycle();
-        self.bench.element = None;
+        self.graphs.element = None;
         let cycle = cycle?;
         self.columns_have_names_of_their_own(cycle.is_some())?;
         // after an error, elements are missing, and bodies would falsely seem unconstrained
@@ -299,7 +299,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         let mut shared = Shared::default();
         for draft in drafts {
             let body = &draft.body;
-            self.bench.bind.owner.clone_from(&draft.origin.path);
+            self.graphs.bind.owner.clone_from(&draft.origin.path);
             // the key of a class: its graph and its messages
             let key = format!(
                 "{}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}{:?}",
@@ -355,28 +355,28 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 constants: draft
                     .constants
                     .iter()
-                    .map(|n| self.bench.bind.slot(*n))
+                    .map(|n| self.graphs.bind.slot(*n))
                     .collect(),
                 state_start: draft
                     .state_start
                     .iter()
-                    .map(|n| self.bench.bind.slot(*n))
+                    .map(|n| self.graphs.bind.slot(*n))
                     .collect(),
                 state_scale: draft
                     .state_scale
                     .iter()
-                    .map(|n| self.bench.bind.slot(*n))
+                    .map(|n| self.graphs.bind.slot(*n))
                     .collect(),
                 resolves: draft
                     .resolves
                     .iter()
-                    .map(|n| self.bench.bind.slot(*n))
+                    .map(|n| self.graphs.bind.slot(*n))
                     .collect(),
                 places: (draft.places.into_iter())
                     .map(|(moving, on, height)| Placing {
                         moving,
                         on,
-                        height: height.map(|n| self.bench.bind.slot(n)),
+                        height: height.map(|n| self.graphs.bind.slot(n)),
                     })
                     .collect(),
                 signals: draft.signals,
@@ -386,11 +386,11 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .map(|(turning, reference, stated)| Rotation {
                         turning: *turning,
                         reference: *reference,
-                        stated: stated.map(|n| self.bench.bind.slot(n)),
+                        stated: stated.map(|n| self.graphs.bind.slot(n)),
                     })
                     .collect(),
                 fields: (draft.fields.into_iter())
-                    .map(|field| field.source(&mut self.bench.bind))
+                    .map(|field| field.source(&mut self.graphs.bind))
                     .collect(),
             });
         }
@@ -402,8 +402,8 @@ impl<'a, 'd> Elaborator<'a, 'd> {
         name: String,
         cycle: Option<eng_system::system::Cycle>,
     ) -> Eval<Elaborated> {
-        let zero = self.bench.bind.graph.constant(0.0);
-        self.bench.bind.owner = "gravity".into();
+        let zero = self.graphs.bind.graph.constant(0.0);
+        self.graphs.bind.owner = "gravity".into();
         let gravity = self
             .draft
             .gravity
@@ -421,7 +421,7 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                 check.path.clone_from(&name);
             }
         }
-        let bind = std::mem::take(&mut self.bench.bind);
+        let bind = std::mem::take(&mut self.graphs.bind);
         let parameters = std::mem::take(&mut self.draft.parameters);
         let slots = bind.slots().len() as u32;
         let mut program = BindProgram {

@@ -141,8 +141,8 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-/// Turns the rows of a file into a grid: the points of each argument once and rising, the values and lines in
-/// their order.
+/// Turns the rows of a file into a grid. Each argument has its points once, in rising order. Values and lines have
+/// the order of the points.
 fn sorted(points: &mut Points) -> Result<(), Incomplete> {
     let axes: Vec<Vec<f64>> = points.arguments.iter().map(|x| distinct(x)).collect();
     // columns of noise make a grid of more points than memory holds, but not of more than 128 bits count

@@ -1,8 +1,8 @@
 //! Inputs: parameters that change during a run, and all values that change with them.
 //!
 //! An input is a parameter of the bind graph. Elaboration marks the operations and slots that depend on one. The
-//! runtime computes these again where an input changes. A slot that decides structure, geometry, mass, a start or
-//! a constraint must not be among them.
+//! runtime computes these again when an input changes. A slot that decides structure, geometry, mass, a start or a
+//! constraint must not be among them.
 
 use super::BindProgram;
 use super::binding::{Stated, span_of};
@@ -141,7 +141,7 @@ impl<'a> Elaborator<'a, '_> {
     fn over_time(&mut self, signal: DefinitionId, span: Span) -> Eval<Value<'a>> {
         let time = Scalar {
             stage: Stage::Bind,
-            node: self.bench.bind.graph.input(TIME),
+            node: self.graphs.bind.graph.input(TIME),
         };
         let function = self.definition(signal, span)?;
         let scope = self.module_scopes[signal.module as usize];
@@ -177,7 +177,7 @@ impl<'a> Elaborator<'a, '_> {
                 Stage::Motion => motion.push(value.node),
             }
         }
-        if let Some(element) = &self.bench.element {
+        if let Some(element) = &self.graphs.element {
             let needed = dependencies(&element.graph, &motion);
             let used = element.graph.nodes().iter().zip(&needed);
             for (op, _) in used.filter(|(_, needed)| **needed) {
@@ -188,7 +188,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
-        let graph = &self.bench.bind.graph;
+        let graph = &self.graphs.bind.graph;
         let mut seen = vec![false; graph.nodes().len()];
         while let Some(node) = waiting.pop() {
             if std::mem::replace(&mut seen[node.0 as usize], true) {
@@ -223,9 +223,9 @@ impl<'a> Elaborator<'a, '_> {
         };
         for (index, value) in members {
             let path = format!("{base}{}", index_text(&index));
-            self.bench.element = Some(ElementBuilder::default());
+            self.graphs.element = Some(ElementBuilder::default());
             self.context.in_output = true;
-            self.bench.bind.owner.clone_from(&path);
+            self.graphs.bind.owner.clone_from(&path);
             let display = stated.clone().or_else(|| self.unit_of_input(&path));
             let shown = Columns {
                 display,
@@ -233,7 +233,7 @@ impl<'a> Elaborator<'a, '_> {
                 ..Columns::of(dimension)
             };
             self.output_element(path, vec![(name.text.clone(), value, shown)], name.span)?;
-            self.bench.element = None;
+            self.graphs.element = None;
             self.context.in_output = false;
         }
         Ok(())

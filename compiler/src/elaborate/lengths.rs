@@ -170,8 +170,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(())
     }
 
-    /// Checks that an array has the number of elements that its type states. The checker has only written
-    /// numbers; here constants and parameters are known. The scope is that of the type.
+    /// Checks that an array has the number of elements that its type states. The checker knows written numbers only.
+    /// Here, constants and parameters are known. The scope is that of the type.
     pub fn of_stated_length(
         &mut self,
         value: &Value<'a>,
@@ -229,8 +229,8 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// Checks the indices of an output against those that an interface promises, or the length of its only
-    /// value.
+    /// Checks the indices of an output against those that an interface promises. An output without an index must have
+    /// the promised length.
     pub fn as_promised(
         &mut self,
         output: &'a ast::Binding,

@@ -32,7 +32,7 @@ fn product(graph: &mut Graph, matrix: &Matrix, block: &[Node], columns: usize) -
 
 impl<'a> Elaborator<'a, '_> {
     pub fn slot(&mut self, node: Node) -> Slot {
-        self.bench.bind.slot(node)
+        self.graphs.bind.slot(node)
     }
 
     pub(super) fn slots<const N: usize>(&mut self, nodes: [Node; N]) -> [Slot; N] {
@@ -40,11 +40,11 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub(super) fn zero(&mut self) -> Node {
-        self.bench.bind.graph.constant(0.0)
+        self.graphs.bind.graph.constant(0.0)
     }
 
     fn identity(&mut self) -> Matrix {
-        let one = self.bench.bind.graph.constant(1.0);
+        let one = self.graphs.bind.graph.constant(1.0);
         let zero = self.zero();
         [one, zero, zero, zero, one, zero, zero, zero, one]
     }
@@ -79,10 +79,10 @@ impl<'a> Elaborator<'a, '_> {
         position: [Node; 3],
         orientation: Matrix,
     ) -> u32 {
-        let owner = std::mem::replace(&mut self.bench.bind.owner, path.clone());
+        let owner = std::mem::replace(&mut self.graphs.bind.owner, path.clone());
         let position = self.slots(position);
         let orientation = self.slots(orientation);
-        self.bench.bind.owner = owner;
+        self.graphs.bind.owner = owner;
         self.draft.markers.push(Marker {
             origin: Origin {
                 path,
@@ -119,7 +119,7 @@ impl<'a> Elaborator<'a, '_> {
         shape: u32,
     ) -> u32 {
         let zero = self.zero();
-        let axes = axes.map(|x| self.bench.bind.graph.constant(x));
+        let axes = axes.map(|x| self.graphs.bind.graph.constant(x));
         let marker = self.add_marker(body, path, Some(span), [zero; 3], axes);
         self.draft.markers[marker as usize].shape = Some(shape);
         marker
@@ -192,7 +192,7 @@ impl<'a> Elaborator<'a, '_> {
             orientation = self.turned(&orientation, axis, angle);
         }
         if let Some((from, axes)) = base {
-            let graph = &mut self.bench.bind.graph;
+            let graph = &mut self.graphs.bind.graph;
             let along = product(graph, &axes, &place, 1);
             for (part, (from, along)) in place.iter_mut().zip(from.iter().zip(along)) {
                 *part = graph.add(*from, along);
@@ -230,7 +230,7 @@ impl<'a> Elaborator<'a, '_> {
                 .with_help("connect two bodies by joints or films"),
             ));
         }
-        let nodes = self.bench.bind.slots();
+        let nodes = self.graphs.bind.slots();
         let of = |slot: &Slot| nodes.get(slot.0 as usize).copied();
         let place: Option<Vec<Node>> = position.iter().map(of).collect();
         let axes: Option<Vec<Node>> = orientation.iter().map(of).collect();
@@ -242,7 +242,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Axes turned about one of them (0 to 2) by an angle: M R.
     fn turned(&mut self, matrix: &Matrix, axis: usize, angle: Node) -> Matrix {
-        let graph = &mut self.bench.bind.graph;
+        let graph = &mut self.graphs.bind.graph;
         let (sine, cosine) = (
             graph.unary(Elementary::Sin, angle),
             graph.unary(Elementary::Cos, angle),
@@ -270,7 +270,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn direction(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[Scalar; 3]> {
         let value = self.evaluate(expr, scope)?;
         let v = self.as_vector(value, expr.span)?;
-        let known: Vec<f64> = v.iter().filter_map(|s| self.bench.known(*s)).collect();
+        let known: Vec<f64> = v.iter().filter_map(|s| self.graphs.known(*s)).collect();
         if known.len() == 3 && known.iter().all(|x| *x == 0.0) {
             return Err(self.report(
                 Diagnostic::error(codes::DIRECTION, "a direction has the length zero")
@@ -294,12 +294,12 @@ impl<'a> Elaborator<'a, '_> {
         let (Some(x), Some(z)) = (x, z) else {
             return Ok(());
         };
-        let across = self.bench.cross(&x, &z);
-        let square = self.bench.dot(&across, &across);
+        let across = self.graphs.cross(&x, &z);
+        let square = self.graphs.dot(&across, &across);
         // the sine of a hundredth of a degree, squared
-        const LEAST: f64 = 3e-8;
-        if let Some(known) = self.bench.known(square) {
-            if known > LEAST {
+        const LEAST_SQUARED_SINE: f64 = 3e-8;
+        if let Some(known) = self.graphs.known(square) {
+            if known > LEAST_SQUARED_SINE {
                 return Ok(());
             }
             return Err(self.report(
@@ -309,8 +309,8 @@ impl<'a> Elaborator<'a, '_> {
             ));
         }
         let path = self.scope(scope).path.clone();
-        let graph = &mut self.bench.bind.graph;
-        let least = graph.constant(LEAST);
+        let graph = &mut self.graphs.bind.graph;
+        let least = graph.constant(LEAST_SQUARED_SINE);
         let flag = graph.less(least, square.node);
         let text = "the directions x and z of a marker must not be parallel".to_owned();
         self.bind_check(flag, vec![super::MessagePart::Text(text)], &path, span);
@@ -318,9 +318,9 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     fn normalise(&mut self, v: &[Scalar; 3]) -> [Scalar; 3] {
-        let square = self.bench.dot(v, v);
-        let length = self.bench.sqrt(square);
-        v.map(|s| self.bench.divide(s, length))
+        let square = self.graphs.dot(v, v);
+        let length = self.graphs.sqrt(square);
+        v.map(|s| self.graphs.divide(s, length))
     }
 
     /// Matrix marker → body from stated x and z directions (unit vectors in body axes). z is kept, and x is
@@ -336,33 +336,33 @@ impl<'a> Elaborator<'a, '_> {
                 // y nearest to the body's z axis. So a bore in the plane across the crank has y along the
                 // crank at any angle. If z is within 26° (cosine 0.9) of the body's z, this direction is
                 // ill-defined, and x is nearest to the body's x axis.
-                let limit = self.bench.constant(0.9);
-                let along = self.bench.unary(z[2], crate::ir::Graph::abs);
-                let free = self.bench.compare(along, limit, crate::ir::Graph::less);
-                let across = self.bench.cross(&ez, &z);
-                let chosen = match self.bench.known_flag(free) {
+                let limit = self.graphs.constant(0.9);
+                let along = self.graphs.unary(z[2], crate::ir::Graph::abs);
+                let free = self.graphs.compare(along, limit, crate::ir::Graph::less);
+                let across = self.graphs.cross(&ez, &z);
+                let chosen = match self.graphs.known_flag(free) {
                     Some(true) => across,
                     Some(false) => ex,
-                    None => [0, 1, 2].map(|i| self.bench.select(free, across[i], ex[i])),
+                    None => [0, 1, 2].map(|i| self.graphs.select(free, across[i], ex[i])),
                 };
                 (chosen, z)
             }
             (Some(x), None) => {
                 // the body's z axis made perpendicular to x; if x is close to it, the body's y axis
-                let limit = self.bench.constant(0.9);
-                let along = self.bench.unary(x[2], crate::ir::Graph::abs);
-                let free = self.bench.compare(along, limit, crate::ir::Graph::less);
-                let about = match self.bench.known_flag(free) {
+                let limit = self.graphs.constant(0.9);
+                let along = self.graphs.unary(x[2], crate::ir::Graph::abs);
+                let free = self.graphs.compare(along, limit, crate::ir::Graph::less);
+                let about = match self.graphs.known_flag(free) {
                     Some(true) => ez,
                     Some(false) => ey,
-                    None => [0, 1, 2].map(|i| self.bench.select(free, ez[i], ey[i])),
+                    None => [0, 1, 2].map(|i| self.graphs.select(free, ez[i], ey[i])),
                 };
                 let z = self.perpendicular_part(&about, &x);
                 (x, z)
             }
         };
         let x = self.perpendicular_part(&x, &z);
-        let y = self.bench.cross(&z, &x);
+        let y = self.graphs.cross(&z, &x);
         let mut matrix = [x[0].node; 9];
         for i in 0..3 {
             matrix[3 * i] = x[i].node;
@@ -374,10 +374,10 @@ impl<'a> Elaborator<'a, '_> {
 
     /// The unit vector along the part of v that is perpendicular to the unit vector n.
     fn perpendicular_part(&mut self, v: &[Scalar; 3], n: &[Scalar; 3]) -> [Scalar; 3] {
-        let along = self.bench.dot(v, n);
+        let along = self.graphs.dot(v, n);
         let rest = [0, 1, 2].map(|i| {
-            let p = self.bench.multiply(along, n[i]);
-            self.bench.subtract(v[i], p)
+            let p = self.graphs.multiply(along, n[i]);
+            self.graphs.subtract(v[i], p)
         });
         self.normalise(&rest)
     }
@@ -396,7 +396,7 @@ impl<'a> Elaborator<'a, '_> {
     /// exp(v~) of a rotation vector (Rodrigues). Near zero it uses the series, because the formula is 0/0
     /// there.
     pub(super) fn rotation_matrix(&mut self, v: [Node; 3]) -> Matrix {
-        let g = &mut self.bench.bind.graph;
+        let g = &mut self.graphs.bind.graph;
         let mut square = g.constant(0.0);
         for n in v {
             let p = g.multiply(n, n);

@@ -22,6 +22,7 @@ mod grid;
 mod input;
 mod lengths;
 mod marker;
+mod marker_loads;
 mod model;
 mod names;
 mod output;
@@ -36,7 +37,6 @@ mod slope;
 mod solve;
 mod table;
 mod topology;
-mod transmit;
 mod turn;
 mod typed;
 mod value;
@@ -49,6 +49,7 @@ pub(crate) use draft::{
 };
 pub use finish::{Elaborated, Structural, elaborate};
 pub use flexible::{MarkerName, ModePart};
+pub use marker_loads::without_static_mode;
 pub(crate) use names::check_names;
 
 use crate::codes;
@@ -60,7 +61,7 @@ use budget::Budget;
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, ast};
 use eng_system::host::Host;
 use eng_system::system::{BodyRef, Location};
-use scalar::Workbench;
+use scalar::GraphBuilder;
 use std::collections::HashMap;
 use std::rc::Rc;
 use value::{ScopeId, Value};
@@ -71,7 +72,7 @@ pub(crate) struct Reported;
 
 pub(crate) type Eval<T> = Result<T, Reported>;
 
-/// Messages about values that an item or call gives to a text, so they also show this item or call.
+/// Messages about values that an item or call gives to a text. Each also shows this item or call.
 const OF_VALUES: [&str; 6] = [
     codes::LENGTHS,
     codes::LIST_LENGTH,
@@ -173,7 +174,7 @@ pub(crate) struct Elaborator<'a, 'd> {
     pub sources: &'a mut SourceMap,
     pub host: &'a dyn Host,
     pub diagnostics: &'d mut Diagnostics,
-    pub bench: Workbench,
+    pub graphs: GraphBuilder,
     pub scopes: Vec<Scope<'a>>,
     pub module_scopes: Vec<ScopeId>,
     budget: Budget,

@@ -93,7 +93,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             return Ok(());
         }
-        path.clone_into(&mut self.bench.bind.owner);
+        path.clone_into(&mut self.graphs.bind.owner);
         let fits = requires(items).try_for_each(|s| self.condition_of_block(s, scope, &path, None));
         if fits.is_ok() {
             self.items_of_block(items, scope);
@@ -174,14 +174,14 @@ impl<'a> Elaborator<'a, '_> {
             message,
         } = statement
         {
-            let asked = super::requirement::Asked {
+            let requirement = super::requirement::Requirement {
                 advise: *advise,
                 name: name.as_ref(),
                 condition,
                 message,
             };
             self.for_each(index, scope, &mut |e, inner, _| {
-                e.requirement(asked, inner, path, used_at).map(|_| ())
+                e.requirement(requirement, inner, path, used_at).map(|_| ())
             })?;
         }
         Ok(())
@@ -220,7 +220,7 @@ impl<'a> Elaborator<'a, '_> {
             .and_then(|s| self.bind_node(s, attribute.value.span));
         if let Ok(period) = node {
             let span = attribute.value.span;
-            match self.bench.bind.graph.as_constant(period) {
+            match self.graphs.bind.graph.as_constant(period) {
                 Some(known) if known > 0.0 && known.is_finite() => {}
                 Some(known) => {
                     self.report(
@@ -232,7 +232,7 @@ impl<'a> Elaborator<'a, '_> {
                     return;
                 }
                 None => {
-                    let graph = &mut self.bench.bind.graph;
+                    let graph = &mut self.graphs.bind.graph;
                     let zero = graph.constant(0.0);
                     let positive = graph.less(zero, period);
                     let text = "the period must be positive".to_owned();

@@ -11,7 +11,7 @@ use eng_system::analysis::{Named, Names};
 use eng_system::system::{Analysis, System};
 
 /// Most names that a message lists. A choice: they fit in a line or two.
-const SHOWN: usize = 12;
+const SHOWN_PATHS: usize = 12;
 
 impl<'a> Elaborator<'a, '_> {
     /// The names of a list, or a single name without a list.
@@ -134,7 +134,7 @@ pub(crate) fn check_names(analysis: &Analysis, system: &System, diagnostics: &mu
                 .with_help("the model has no input; declare one: `input brake: Torque = 0 N*m`"),
             _ => message.with_note(format!(
                 "{kind}s are {}",
-                listing(paths.iter().copied(), SHOWN)
+                listing(paths.iter().copied(), SHOWN_PATHS)
             )),
         });
     }

@@ -117,13 +117,13 @@ impl<'a> Elaborator<'a, '_> {
             Value::Components(c, axes) => (c, Some(axes)),
             Value::List(_) => (self.as_components(value, span)?, None),
             Value::Flag(flag) => {
-                let one = self.bench.constant(1.0);
-                let zero = self.bench.constant(0.0);
-                (vec![self.bench.select(flag, one, zero)], None)
+                let one = self.graphs.constant(1.0);
+                let zero = self.graphs.constant(0.0);
+                (vec![self.graphs.select(flag, one, zero)], None)
             }
             Value::Bool(known) => {
                 let number = if known { 1.0 } else { 0.0 };
-                (vec![self.bench.constant(number)], None)
+                (vec![self.graphs.constant(number)], None)
             }
             other => (vec![self.as_scalar(other, span)?], None),
         };
@@ -135,7 +135,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let count = components.len() as u32;
         for (i, s) in components.into_iter().enumerate() {
-            let node = self.bench.lift(s.stage, s.node);
+            let node = self.graphs.lift(s.stage, s.node);
             draft.outputs.push(node);
             draft.frames.push(axes);
             let suffix = match (single, ["x", "y", "z"].get(i)) {
@@ -172,7 +172,7 @@ impl<'a> Elaborator<'a, '_> {
         if !matches!(class.declaration.kind, Kind::Joint | Kind::Drive) {
             return Ok(());
         }
-        let Some(element) = self.bench.element.as_mut() else {
+        let Some(element) = self.graphs.element.as_mut() else {
             return Ok(());
         };
         if element.rows.is_empty() || element.markers.len() < 2 {
@@ -256,7 +256,7 @@ impl<'a> Elaborator<'a, '_> {
             _ => Default::default(),
         };
         let (bound_kinks, bound_texts) = bound_kinks.into_iter().unzip();
-        let Some(mut element) = self.bench.element.take() else {
+        let Some(mut element) = self.graphs.element.take() else {
             return Err(Reported);
         };
         let layout = element.layout();
@@ -436,7 +436,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         let class = self.class_of(source.definition, name.span)?;
         // only parameters are allowed here: the mistake is in the text that passes a quantity of the motion
-        let asks = self.bench.element.is_none() && self.context.asked_from.is_none();
+        let asks = self.graphs.element.is_none() && self.context.asked_from.is_none();
         if asks {
             self.context.asked_from = Some((name.span, format!("{path}.{}", name.text)));
         }
@@ -460,7 +460,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut scalars = Vec::new();
         for k in 0..shape.count {
             let channel = first_channel + shape.first + k;
-            let Some(element) = self.bench.element.as_mut() else {
+            let Some(element) = self.graphs.element.as_mut() else {
                 return Err(Reported);
             };
             scalars.push(Scalar {
@@ -538,7 +538,7 @@ impl<'a> Elaborator<'a, '_> {
             self.add_output((&name, Vec::new()), value, span, shown, &mut draft)?;
         }
         for (i, node) in draft.outputs.iter().enumerate() {
-            if let Some(element) = self.bench.element.as_ref()
+            if let Some(element) = self.graphs.element.as_ref()
                 && let Op::Input(input) = element.graph.op(*node)
                 && input >= PROVISIONAL.signal(0)
             {
@@ -550,7 +550,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
         }
-        self.asked(&mut draft);
+        self.call_conditions(&mut draft);
         let origin = Origin {
             path,
             used_at: Some(location(span)),

@@ -129,8 +129,8 @@ impl<'a> Elaborator<'a, '_> {
         match value {
             Value::Table(mut table) => {
                 // the handle is no constant of the code, so that instances with other tables share the code
-                if let Some(known) = self.bench.bind.graph.as_constant(table.handle) {
-                    table.handle = self.bench.bind.fixed(known);
+                if let Some(known) = self.graphs.bind.graph.as_constant(table.handle) {
+                    table.handle = self.graphs.bind.fixed(known);
                 }
                 Ok(Value::Table(table))
             }

@@ -104,7 +104,7 @@ impl<'a> Elaborator<'a, '_> {
     /// Lowers starts and outputs.
     pub fn finish_pending(&mut self) {
         for pending in std::mem::take(&mut self.draft.pending) {
-            self.bench.element = Some(ElementBuilder::default());
+            self.graphs.element = Some(ElementBuilder::default());
             let result = match pending {
                 Pending::Start {
                     role,
@@ -133,18 +133,19 @@ impl<'a> Elaborator<'a, '_> {
                     scope,
                     path,
                 } => {
-                    self.bench.element = None;
+                    self.graphs.element = None;
                     self.condition_of_block(statement, scope, &path, None)
                 }
             };
             // the error was reported
             let _ = result;
-            self.bench.element = None;
+            self.graphs.element = None;
             self.context.in_output = false;
         }
     }
 
-    /// An element without loads, whose condition ends the run. As one of the motion it has kinks, at which steps end.
+    /// An element without loads, whose condition ends the run. The condition follows the motion, so it has kinks, and
+    /// steps end at them.
     fn lower_stop(&mut self, condition: &'a ast::Expr, scope: ScopeId) -> Eval<()> {
         let refused = |label: &str, help: &str| {
             let title = "this condition cannot end a run";
@@ -173,7 +174,7 @@ impl<'a> Elaborator<'a, '_> {
             ..Message::default()
         };
         let mut draft = Draft::default();
-        self.asked(&mut draft);
+        self.call_conditions(&mut draft);
         self.condition(
             flag,
             ConditionKind::Stop,
@@ -194,7 +195,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Whether a condition of the present element compares by `==` or `!=`.
     fn is_exact(&self, flag: Flag) -> bool {
-        let Some(element) = self.bench.element.as_ref() else {
+        let Some(element) = self.graphs.element.as_ref() else {
             return false;
         };
         let needed = dependencies(&element.graph, &[flag.node]);
@@ -243,7 +244,7 @@ impl<'a> Elaborator<'a, '_> {
                 };
                 let rows = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| {
                     let axis = self.marker_axis(local, a);
-                    self.bench.dot(&axis, &column(b as usize))
+                    self.graphs.dot(&axis, &column(b as usize))
                 });
                 let rows = rows
                     .into_iter()
@@ -258,7 +259,7 @@ impl<'a> Elaborator<'a, '_> {
         let rows = [0, 1, 2]
             .map(|i| {
                 (
-                    self.bench.subtract(actual[i], stated[i]),
+                    self.graphs.subtract(actual[i], stated[i]),
                     format!("{name}.{} == {text}", ["x", "y", "z"][i]),
                 )
             })
@@ -302,7 +303,7 @@ impl<'a> Elaborator<'a, '_> {
             return Err(self.lengths(a.len(), target.span, b.len(), value.span));
         }
         let rotation = |e: &Self, s: &Scalar| {
-            let element = e.bench.element.as_ref()?;
+            let element = e.graphs.element.as_ref()?;
             element.rotations.iter().position(|r| r.2 == s.node)
         };
         let text = format!(
@@ -313,22 +314,22 @@ impl<'a> Elaborator<'a, '_> {
         let mut rows = Vec::new();
         let mut velocity = false;
         for (x, y) in a.into_iter().zip(b) {
-            let mut difference = self.bench.subtract(x, y);
+            let mut difference = self.graphs.subtract(x, y);
             if let Some(index) = rotation(self, &x) {
                 if y.stage != Stage::Motion {
                     let stated = self.bind_node(y, value.span)?;
-                    if let Some(element) = self.bench.element.as_mut() {
+                    if let Some(element) = self.graphs.element.as_mut() {
                         element.stated.push((index as u32, stated));
                     }
                 }
                 // the sine closes the angle at any turn; the stated turns are counted afterwards
                 let sine = self
-                    .bench
+                    .graphs
                     .unary(difference, |g, n| g.unary(Elementary::Sin, n));
                 let cosine = self
-                    .bench
+                    .graphs
                     .unary(difference, |g, n| g.unary(Elementary::Cos, n));
-                difference = self.bench.binary(sine, cosine, crate::ir::Graph::atan2);
+                difference = self.graphs.binary(sine, cosine, crate::ir::Graph::atan2);
             }
             velocity |= difference.stage == Stage::Motion && self.uses_twist(difference.node);
             rows.push((difference, text.clone()));
@@ -346,11 +347,10 @@ impl<'a> Elaborator<'a, '_> {
         self.start_element(role, path, target.span, dimension, rows)
     }
 
-    /// Refuses the start or guess of a position against `ground` as an argument: this marker is placed on the
-    /// other marker of its element after the assembly, so a stated position never holds, and a guess has no
-    /// effect.
+    /// Refuses the start or guess of a position against `ground` as an argument. This marker is placed on the other
+    /// marker of its element after the assembly. So a stated position never holds, and a guess has no effect.
     fn refuse_coinciding(&mut self, target: &ast::Expr) -> Eval<()> {
-        let Some(element) = self.bench.element.as_ref() else {
+        let Some(element) = self.graphs.element.as_ref() else {
             return Ok(());
         };
         let markers = &self.draft.markers;
@@ -372,7 +372,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Whether a value of the present element depends on a marker's twist.
     fn uses_twist(&self, node: Node) -> bool {
-        let Some(element) = self.bench.element.as_ref() else {
+        let Some(element) = self.graphs.element.as_ref() else {
             return false;
         };
         let mut stack = vec![node];
@@ -403,10 +403,10 @@ impl<'a> Elaborator<'a, '_> {
         let display = self.display_of(binding)?;
         let mut found = Vec::new();
         self.for_each(&binding.index, scope, &mut |e, inner, position| {
-            e.bench.element = Some(ElementBuilder::default());
+            e.graphs.element = Some(ElementBuilder::default());
             e.context.in_output = true;
             let path = format!("{base}{}", index_text(position));
-            e.bench.bind.owner.clone_from(&path);
+            e.graphs.bind.owner.clone_from(&path);
             let place = binding.ty.as_ref().map_or(expr.span, |ty| ty.span);
             let shown = Columns {
                 dimension: e.dimension_at(place, inner)?,
@@ -417,7 +417,7 @@ impl<'a> Elaborator<'a, '_> {
             let value = e.bound_value(binding, expr, inner)?;
             found.push((position.to_vec(), value.clone()));
             e.output_element(path, vec![(name.clone(), value, shown)], binding.name.span)?;
-            e.bench.element = None;
+            e.graphs.element = None;
             e.context.in_output = false;
             Ok(())
         })?;
@@ -432,7 +432,7 @@ impl<'a> Elaborator<'a, '_> {
         let Form::Instance { value, .. } = &cycle.declaration.form else {
             return Ok(None);
         };
-        self.bench.element = Some(ElementBuilder::default());
+        self.graphs.element = Some(ElementBuilder::default());
         self.context.in_output = true;
         let angle = self.evaluate(value, cycle.scope)?;
         let rate = self.rate_of(angle.clone(), value.span)?;
@@ -450,8 +450,8 @@ impl<'a> Elaborator<'a, '_> {
         // time, angle and speed are columns of their own
         self.draft.channels.truncate(before);
         self.context.in_output = false;
-        self.bench.element = None;
-        self.bench.bind.owner = "cycle".into();
+        self.graphs.element = None;
+        self.graphs.bind.owner = "cycle".into();
         let period = self.slot(cycle.period);
         Ok(Some(eng_system::system::Cycle {
             origin: eng_system::system::Origin {

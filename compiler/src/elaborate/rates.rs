@@ -1,10 +1,10 @@
 //! Rates of values that change with inputs.
 //!
 //! The rate of an expression of parameters is one more expression of the bind graph: the derivative of the
-//! expression, with the rates of the inputs as further inputs of the graph. An element that needs the rate
-//! gets it as a constant, so element code and layouts contain no inputs. The rate of a parameter is the rate
-//! of its default unless its value is stated: a stated value is constant. The default of an input that an
-//! analysis drives is a function of time, whose derivative is exact.
+//! expression, with the rates of the inputs as further inputs of the graph. An element that needs the rate gets it as
+//! a constant, so element code and layouts contain no inputs. A parameter with a stated value is constant. The rate
+//! of any other parameter is that of its default. The default of an input that an analysis drives is a function of
+//! time, whose derivative is exact.
 
 use super::scalar::{FIXED, PROVISIONAL, RATE, Scalar, Stage, TIME};
 use super::{Elaborator, Eval};
@@ -23,9 +23,9 @@ impl Elaborator<'_, '_> {
     /// The rate of a node of the bind graph; `None` if it is constant between two points of time.
     pub(super) fn rate_of_bound(&mut self, node: Node) -> Option<Node> {
         let mut seeds: BTreeMap<u32, Node> = BTreeMap::new();
-        for input in inputs_of(&self.bench.bind.graph, &[node]) {
+        for input in inputs_of(&self.graphs.bind.graph, &[node]) {
             let seed = match input {
-                TIME => Some(self.bench.bind.graph.constant(1.0)),
+                TIME => Some(self.graphs.bind.graph.constant(1.0)),
                 _ => self.rate_of_parameter(input),
             };
             if let Some(seed) = seed {
@@ -36,7 +36,7 @@ impl Elaborator<'_, '_> {
             return None;
         }
         let seed = |input: u32| seeds.get(&input).copied();
-        let rates = forward(&mut self.bench.bind.graph, &[node], &seed);
+        let rates = forward(&mut self.graphs.bind.graph, &[node], &seed);
         rates.first().copied()
     }
 
@@ -57,7 +57,7 @@ impl Elaborator<'_, '_> {
                 input.parameter == parameter && input.interpolation != Interpolation::Hold
             });
             let rate = match (of_default, moves) {
-                (None, true) => Some(self.bench.bind.graph.constant(0.0)),
+                (None, true) => Some(self.graphs.bind.graph.constant(0.0)),
                 (rate, _) => rate,
             };
             self.draft.parameter_rates.insert(parameter, rate);
@@ -68,13 +68,13 @@ impl Elaborator<'_, '_> {
             .get(&parameter)
             .copied()
             .flatten()?;
-        Some(self.bench.bind.graph.input(RATE + parameter))
+        Some(self.graphs.bind.graph.input(RATE + parameter))
     }
 
     /// The rates of the constants that nodes of the present element depend on: inputs of constants, and the
     /// bind nodes of the rates.
     fn followed_constants(&mut self, nodes: &[Node]) -> Vec<(u32, Node)> {
-        let Some(element) = &self.bench.element else {
+        let Some(element) = &self.graphs.element else {
             return Vec::new();
         };
         if self.draft.inputs.is_empty() {
@@ -101,14 +101,14 @@ impl Elaborator<'_, '_> {
     pub(super) fn rates_of_constants(&mut self, nodes: &[Node]) -> BTreeMap<u32, Node> {
         let found = self.followed_constants(nodes).into_iter();
         found
-            .map(|(input, rate)| (input, self.bench.lift(Stage::Bind, rate)))
+            .map(|(input, rate)| (input, self.graphs.lift(Stage::Bind, rate)))
             .collect()
     }
 
-    /// The constants that the present element's loads, rates and conditions of a stop depend on and that follow inputs, with the
-    /// constants of their rates: indices of constants. Then the kinks of these constants, with their texts.
+    /// Constants of the present element that follow inputs, each with the constant of its rate, as indices. Its
+    /// loads, rates and conditions of a stop depend on them. Then the kinks of these constants, with their texts.
     pub(super) fn changing_constants(&mut self) -> Changing {
-        let Some(element) = &self.bench.element else {
+        let Some(element) = &self.graphs.element else {
             return Default::default();
         };
         let rates = element.states.iter().filter_map(|state| state.rate);
@@ -120,7 +120,7 @@ impl Elaborator<'_, '_> {
             .chain(rates)
             .collect();
         let followed = self.followed_constants(&nodes);
-        let constants = self.bench.element.as_ref().map(|e| e.constants.clone());
+        let constants = self.graphs.element.as_ref().map(|e| e.constants.clone());
         let constants = constants.unwrap_or_default();
         let mut bound = Vec::new();
         let mut pairs = Vec::new();
@@ -136,9 +136,9 @@ impl Elaborator<'_, '_> {
 
     /// The constant of the present element that is a rate.
     fn constant_of_rate(&mut self, rate: Node) -> Option<u32> {
-        let rate = match self.bench.bind.graph.as_constant(rate) {
+        let rate = match self.graphs.bind.graph.as_constant(rate) {
             // the number must not be part of the code, because other elements of the class have others
-            Some(value) => self.bench.bind.fixed(value),
+            Some(value) => self.graphs.bind.fixed(value),
             None => rate,
         };
         self.constant_of_bound(rate)
@@ -146,7 +146,7 @@ impl Elaborator<'_, '_> {
 
     /// The index of the present element's constant with the value of a node of the bind graph.
     fn constant_of_bound(&mut self, bound: Node) -> Option<u32> {
-        let element = self.bench.element.as_mut()?;
+        let element = self.graphs.element.as_mut()?;
         let node = element.constant(bound);
         match element.graph.op(node) {
             Op::Input(place) => place.checked_sub(PROVISIONAL.constant(0)),
@@ -160,7 +160,7 @@ impl Elaborator<'_, '_> {
         let mut found = Vec::new();
         let mut known = BTreeSet::new();
         for (node, op) in self.bound_operations(nodes) {
-            for function in functions_of(&mut self.bench.bind.graph, op) {
+            for function in functions_of(&mut self.graphs.bind.graph, op) {
                 if !known.insert(function) {
                     continue;
                 }
@@ -169,7 +169,7 @@ impl Elaborator<'_, '_> {
                 };
                 let argument = function.table.map_or(0, |(_, kind)| kind.argument);
                 let place = KinkPlace { node, argument };
-                let text = self.bench.bind.kinks.get(&place).cloned();
+                let text = self.graphs.bind.kinks.get(&place).cloned();
                 let value = self.constant_of_bound(function.value);
                 let rate = self.constant_of_rate(rate);
                 let table = (function.table)
@@ -184,7 +184,7 @@ impl Elaborator<'_, '_> {
 
     /// The operations of the bind graph that nodes depend on, also through the defaults of parameters.
     fn bound_operations(&self, mut nodes: Vec<Node>) -> Vec<(Node, Op)> {
-        let graph = &self.bench.bind.graph;
+        let graph = &self.graphs.bind.graph;
         let mut parameters = BTreeSet::new();
         loop {
             let needed = smoothly_needed(graph, &nodes);
@@ -208,8 +208,8 @@ impl Elaborator<'_, '_> {
         }
     }
 
-    /// Refuses the rate of an input that is held between two points. Marks the others, because a jump of
-    /// their rates is one of the loads.
+    /// Refuses the rate of an input that is held between two points. Marks the other inputs: where their rates jump,
+    /// the loads jump.
     pub(super) fn rates_known(&mut self, values: &[Scalar], span: Span) -> Eval<()> {
         for index in self.inputs_in(values) {
             let Some(input) = self.draft.inputs.get_mut(index) else {

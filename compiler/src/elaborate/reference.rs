@@ -47,14 +47,14 @@ impl<'a> Elaborator<'a, '_> {
         }
         match name {
             "pi" => Ok(Some(Value::Scalar(
-                self.bench.constant(std::f64::consts::PI),
+                self.graphs.constant(std::f64::consts::PI),
             ))),
             "ground" => Ok(Some(Value::Ground)),
             "cycle" if self.draft.cycle.is_some() => Ok(Some(Value::Cycle)),
             "cycle" if self.draft.cycle_failed => Err(Reported),
             "cycle" => Err(self.no_cycle(span)),
             "time" => {
-                let Some(element) = self.bench.element.as_mut() else {
+                let Some(element) = self.graphs.element.as_mut() else {
                     return Err(self.report(
                         Diagnostic::error(
                             codes::MOTION,
@@ -180,9 +180,9 @@ impl<'a> Elaborator<'a, '_> {
                 if path.is_empty() {
                     return self.binding_value(binding, scope);
                 }
-                let owner = std::mem::replace(&mut self.bench.bind.owner, path);
+                let owner = std::mem::replace(&mut self.graphs.bind.owner, path);
                 let value = self.binding_value(binding, scope);
-                self.bench.bind.owner = owner;
+                self.graphs.bind.owner = owner;
                 value
             }
             Lazy::Parameter(binding) => self.changeable(binding, scope),
@@ -209,12 +209,12 @@ impl<'a> Elaborator<'a, '_> {
             Lazy::Marker(declaration, body) => self.markers_of(declaration, *body, scope),
             Lazy::Element(declaration) => {
                 // another element may be under construction at this first use, so it is set aside
-                let element = self.bench.element.take();
+                let element = self.graphs.element.take();
                 let rates = self.context.rates.take();
                 let in_output = std::mem::replace(&mut self.context.in_output, false);
                 let in_rate = std::mem::replace(&mut self.context.in_rate, false);
                 let made = self.elements_of(declaration, scope);
-                self.bench.element = element;
+                self.graphs.element = element;
                 self.context.rates = rates;
                 self.context.in_output = in_output;
                 self.context.in_rate = in_rate;
@@ -339,7 +339,7 @@ impl<'a> Elaborator<'a, '_> {
                     return Ok(Value::Vector(self.unit_vector(i)));
                 }
                 if name.text == "origin" {
-                    let zero = self.bench.constant(0.0);
+                    let zero = self.graphs.constant(0.0);
                     return Ok(Value::Vector([zero; 3]));
                 }
                 let marker = self.ground_frame();
@@ -409,13 +409,13 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn unit_vector(&mut self, axis: usize) -> [Scalar; 3] {
-        [0, 1, 2].map(|i| self.bench.constant(if i == axis { 1.0 } else { 0.0 }))
+        [0, 1, 2].map(|i| self.graphs.constant(if i == axis { 1.0 } else { 0.0 }))
     }
 
     /// The local index of a marker in the present element.
     pub fn local_marker(&mut self, marker: u32, span: Option<Span>) -> Eval<u32> {
         self.used_marker(marker);
-        let local = match self.bench.element.as_mut() {
+        let local = match self.graphs.element.as_mut() {
             Some(element) => element.marker(marker),
             None => {
                 let mut message = Diagnostic::error(
@@ -445,9 +445,9 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub fn marker_input(&mut self, local: u32, component: u32) -> Scalar {
-        let node = match self.bench.element.as_mut() {
+        let node = match self.graphs.element.as_mut() {
             Some(element) => element.marker_input(local, component),
-            None => self.bench.bind.graph.constant(f64::NAN),
+            None => self.graphs.bind.graph.constant(f64::NAN),
         };
         Scalar {
             stage: Stage::Motion,
@@ -468,7 +468,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn rotate(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
         [0, 1, 2].map(|i| {
             let row = [0, 1, 2].map(|j| self.marker_input(local, 3 + 3 * i + j));
-            self.bench.dot(&row, v)
+            self.graphs.dot(&row, v)
         })
     }
 
@@ -476,7 +476,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn along_axes(&mut self, local: u32, v: &[Scalar; 3]) -> [Scalar; 3] {
         [0, 1, 2].map(|j| {
             let axis = self.marker_axis(local, j);
-            self.bench.dot(&axis, v)
+            self.graphs.dot(&axis, v)
         })
     }
 
@@ -522,7 +522,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// A table's handle as a value.
     pub fn table_handle(&mut self, index: usize) -> Value<'a> {
-        let handle = self.bench.bind.fixed(index as f64);
+        let handle = self.graphs.bind.fixed(index as f64);
         Value::Table(TableValue { handle })
     }
 }

@@ -1,7 +1,7 @@
 //! Repetition over the values of an index: bodies, elements, analyses, members of lists.
 
 use super::body::index_text;
-use super::expression::Truth;
+use super::expression::{Truth, not_constant};
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, Reported};
 use crate::codes;
@@ -29,8 +29,8 @@ impl<'a> Elaborator<'a, '_> {
         self.for_each_from(binders, scope, &mut Vec::new(), f)
     }
 
-    /// The instances of a declaration: one, or a family where it has an index. Those whose condition fails are
-    /// left out; where it is the only one, the value states that it is absent.
+    /// The instances of a declaration: one, or a family where it has an index. Instances whose condition fails are
+    /// left out. If the only instance is left out, the value states that it is absent.
     pub fn instances_of(
         &mut self,
         declaration: &'a ast::Declaration,
@@ -75,11 +75,10 @@ impl<'a> Elaborator<'a, '_> {
     fn known_truth(&mut self, condition: &'a ast::Expr, part: &str, scope: ScopeId) -> Eval<bool> {
         match self.truth(condition, scope)? {
             Truth::Known(holds) => Ok(holds),
-            Truth::Later(_) => Err(self.report(
-                Diagnostic::error(codes::NOT_KNOWN, "this value must be a constant")
-                    .at(condition.span, format!("decides whether `{part}` exists"))
-                    .with_help("make the parameter a `const`: a change then compiles again"),
-            )),
+            Truth::Later(_) => {
+                let label = format!("decides whether `{part}` exists");
+                Err(self.report(not_constant(condition.span, label)))
+            }
         }
     }
 

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 
 /// A `require` or `advise` as written.
 #[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct Requirement<'a> {
     pub advise: bool,
     /// Its name for `accept`.
     pub name: Option<&'a ast::Name>,
@@ -56,17 +56,17 @@ impl<'a> Elaborator<'a, '_> {
     /// Another condition is returned with its message.
     pub fn requirement(
         &mut self,
-        asked: Asked<'a>,
+        requirement: Requirement<'a>,
         scope: ScopeId,
         path: &str,
         used_at: Option<Location>,
     ) -> Eval<Option<(Flag, Message)>> {
-        let Asked {
+        let Requirement {
             advise,
             name,
             condition,
             message,
-        } = asked;
+        } = requirement;
         let truth = self.truth(condition, scope)?;
         if let Truth::Known(true) = truth {
             return Ok(None);
@@ -88,7 +88,7 @@ impl<'a> Elaborator<'a, '_> {
                         } => MessagePart::Value(self.bind_node(value, span)?, display),
                     });
                 }
-                let holds = self.bench.flag_number(flag);
+                let holds = self.graphs.flag_number(flag);
                 self.draft.checks.push(Check {
                     holds,
                     advise,
@@ -169,9 +169,9 @@ impl<'a> Elaborator<'a, '_> {
     pub(super) fn where_it_counts(&mut self, truth: Truth) -> Truth {
         let guards = self.context.guards.clone();
         guards.into_iter().fold(truth, |truth, (guard, _)| {
-            let elsewhere = self.bench.not(guard);
+            let elsewhere = self.graphs.not(guard);
             Truth::Later(match truth {
-                Truth::Later(flag) => self.bench.logic(elsewhere, flag, Op::Or),
+                Truth::Later(flag) => self.graphs.logic(elsewhere, flag, Op::Or),
                 Truth::Known(_) => elsewhere,
             })
         })
@@ -182,7 +182,7 @@ impl<'a> Elaborator<'a, '_> {
         if value.stage == Stage::Motion {
             return None;
         }
-        let graph = &self.bench.bind.graph;
+        let graph = &self.graphs.bind.graph;
         let (mut folded, mut known) = (Graph::default(), HashMap::new());
         let mut waiting = vec![value.node];
         while let Some(node) = waiting.last().copied() {
@@ -201,7 +201,7 @@ impl<'a> Elaborator<'a, '_> {
                 (Op::Input(k), _) => {
                     let fixed = k
                         .checked_sub(FIXED)
-                        .map(|k| self.bench.bind.fixed.get(k as usize));
+                        .map(|k| self.graphs.bind.fixed.get(k as usize));
                     folded.constant(*fixed.flatten()?)
                 }
                 (op, _) => {
@@ -214,8 +214,8 @@ impl<'a> Elaborator<'a, '_> {
         folded.as_constant(*known.get(&value.node)?)
     }
 
-    /// A message with the numbers known while compiling, or from the stated values of parameters. Other expressions
-    /// appear as written.
+    /// A message with the numbers that are known while compiling, or that follow from the stated values of
+    /// parameters. Other expressions appear as written.
     fn known_text(&self, message: Message) -> String {
         message
             .parts
@@ -282,7 +282,7 @@ impl<'a> Elaborator<'a, '_> {
             found.text.push_str(self.sources.text(span));
             let number = match self.evaluate(value, scope)? {
                 Value::Scalar(number) => number,
-                Value::Int(i) => self.bench.constant(i as f64),
+                Value::Int(i) => self.graphs.constant(i as f64),
                 Value::Text(text) => {
                     found.parts.push(Part::Text(text));
                     continue;

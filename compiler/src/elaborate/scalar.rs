@@ -35,9 +35,8 @@ pub(crate) struct Flag {
     pub node: Node,
 }
 
-/// The input layout of every element while it is lowered. At the end it is compacted to the used inputs. The
-/// numbers are choices far above those of the library's classes, and each has a message where a class exceeds
-/// it.
+/// The input layout of every element while it is lowered. At the end it is compacted to the used inputs. The numbers
+/// are choices far above those of the library's classes. A message tells if a class exceeds one of them.
 pub(crate) const PROVISIONAL: InputLayout = InputLayout {
     markers: 64,
     states: 64,
@@ -126,7 +125,7 @@ pub(crate) struct ElementBuilder {
     /// The local markers of each `apply`: on, against.
     pub applied: Vec<(u32, Option<u32>)>,
     /// Conditions of called functions.
-    pub asked: Vec<Asked>,
+    pub call_conditions: Vec<CallCondition>,
     /// Bind nodes of the lengths that positions at its markers must resolve.
     pub resolves: Vec<Node>,
     /// Places that the assembly prefers: local markers, and the bind node of the height.
@@ -181,7 +180,7 @@ impl FieldDraft {
 
 /// A condition of a function that is called with values of the motion.
 #[derive(Debug)]
-pub(crate) struct Asked {
+pub(crate) struct CallCondition {
     pub advise: bool,
     /// Its name for `accept`; empty without a name.
     pub name: String,
@@ -292,12 +291,12 @@ pub(crate) fn compact_input(index: u32, to: &InputLayout) -> u32 {
 
 /// The two graphs under construction.
 #[derive(Debug, Default)]
-pub(crate) struct Workbench {
+pub(crate) struct GraphBuilder {
     pub bind: BindBuilder,
     pub element: Option<ElementBuilder>,
 }
 
-impl Workbench {
+impl GraphBuilder {
     pub fn constant(&mut self, value: f64) -> Scalar {
         Scalar {
             stage: Stage::Bind,
@@ -518,7 +517,7 @@ impl Workbench {
         Scalar { node, ..value }
     }
 
-    /// An input in the place of an unknown, until [`Workbench::derivative_at`] replaces it.
+    /// An input in the place of an unknown, until [`GraphBuilder::derivative_at`] replaces it.
     pub fn unknown(&mut self, stage: Stage, input: u32) -> Scalar {
         let node = self.graph(stage).input(input);
         Scalar { stage, node }

@@ -9,7 +9,7 @@ use eng_grammar::{Diagnostic, Span};
 use std::rc::Rc;
 
 /// A function whose derivative is asked for.
-pub(super) struct Asked<'a, 'c> {
+pub(super) struct Differentiated<'a, 'c> {
     pub function: &'c Value<'a>,
     /// The call of `slope`, `curvature`, or of such a function, and its scope.
     pub call: Span,
@@ -40,19 +40,19 @@ impl<'a> Elaborator<'a, '_> {
                 ));
             }
             return Ok(Value::Scalar(match function {
-                Value::Table(table) => self.bench.table_period(table.handle),
+                Value::Table(table) => self.graphs.table_period(table.handle),
                 // a function of the text states no period
-                _ => self.bench.constant(0.0),
+                _ => self.graphs.constant(0.0),
             }));
         }
         if name == "solve" {
             let (estimate, place) = self.checked(values.next(), span, "no estimate is given")?;
-            let asked = Asked {
+            let differentiated = Differentiated {
                 function: &function,
                 call: span,
                 scope,
             };
-            return self.solve(&asked, (written, estimate, place));
+            return self.solve(&differentiated, (written, estimate, place));
         }
         let order = if name == "slope" { 1 } else { 2 };
         if self.typed.findings.bound.contains(&span) {
@@ -66,17 +66,17 @@ impl<'a> Elaborator<'a, '_> {
         let x = self.as_scalar(x, place)?;
         Ok(Value::Scalar(match function {
             Value::Table(table) => {
-                let slope = self.bench.slope_of_table(table.handle, x, order);
+                let slope = self.graphs.slope_of_table(table.handle, x, order);
                 self.note_kink(slope.stage, slope.node, 0, place, span, scope)?;
                 slope
             }
             function @ (Value::Closure(_) | Value::Partial(_)) => {
-                let asked = Asked {
+                let differentiated = Differentiated {
                     function: &function,
                     call: span,
                     scope,
                 };
-                self.derivative(&asked, x, order)?
+                self.derivative(&differentiated, x, order)?
             }
             other => {
                 let what = format!("`{name}` of {}", other.kind());
@@ -88,42 +88,47 @@ impl<'a> Elaborator<'a, '_> {
     /// A derivative of a function at x.
     pub(super) fn derivative(
         &mut self,
-        asked: &Asked<'a, '_>,
+        differentiated: &Differentiated<'a, '_>,
         x: Scalar,
         order: u8,
     ) -> Eval<Scalar> {
         // the value itself is not used, but its call evaluates the function's conditions and gives the
         // stage
-        let stage = self.value_of(asked, x)?.stage;
+        let stage = self.value_of(differentiated, x)?.stage;
         let x = match stage {
             Stage::Bind => x.node,
-            Stage::Motion => self.bench.lift(x.stage, x.node),
+            Stage::Motion => self.graphs.lift(x.stage, x.node),
         };
         // The derivative is taken at an input that nothing else uses, because the parts of x may also reach the
         // function by other names.
         self.context.unknowns += 1;
         let input = u32::MAX - self.context.unknowns;
-        let unknown = self.bench.unknown(stage, input);
-        let value = self.value_of(asked, unknown);
+        let unknown = self.graphs.unknown(stage, input);
+        let value = self.value_of(differentiated, unknown);
         self.context.unknowns -= 1;
         let mut value = value?;
         if stage == Stage::Motion {
             value = Scalar {
                 stage,
-                node: self.bench.lift(value.stage, value.node),
+                node: self.graphs.lift(value.stage, value.node),
             };
         }
-        Ok(self.bench.derivative_at(value, input, order, x))
+        Ok(self.graphs.derivative_at(value, input, order, x))
     }
 
-    fn value_of(&mut self, asked: &Asked<'a, '_>, x: Scalar) -> Eval<Scalar> {
+    fn value_of(&mut self, differentiated: &Differentiated<'a, '_>, x: Scalar) -> Eval<Scalar> {
         let passed = vec![Passed {
             place: 0,
             value: Value::Scalar(x),
-            span: asked.call,
-            scope: asked.scope,
+            span: differentiated.call,
+            scope: differentiated.scope,
         }];
-        let value = self.apply(asked.function, passed, asked.call, asked.scope)?;
-        self.as_scalar(value, asked.call)
+        let value = self.apply(
+            differentiated.function,
+            passed,
+            differentiated.call,
+            differentiated.scope,
+        )?;
+        self.as_scalar(value, differentiated.call)
     }
 }

@@ -1,20 +1,20 @@
 //! `solve(f, estimate)`: the zero of a function near an estimate, inside of one element.
 //!
 //! The operations are steps of Newton's method with the exact Jacobian matrix J, one after the other:
-//! [`HELD`] steps from the estimate, then two more. The result of the first steps is *held*: it has no
+//! [`HELD_STEPS`] steps from the estimate, then two more. The result of the first steps is *held*: it has no
 //! derivative. With x₀ held and near the zero, the error δ of x₀ becomes O(δ²) in x₁ = x₀ − J⁻¹f(x₀) and
 //! O(δ⁴) in x₂, as functions of everything that f depends on. So the first three derivatives of x₂ are those
 //! of the implicit function f(x) = 0, and the derivatives of a class cost two steps, not all of them.
 //!
-//! A class cannot iterate until something converges, because its code has no loops. The correction of the step after
-//! the held ones shows whether the search has ended; a condition of the element watches it.
+//! A class cannot iterate until something converges, because its code has no loops. The first step after the held
+//! ones must be small. A condition of the element tests this.
 
 use super::bind_program::{Check, MessagePart};
 use super::expression::Truth;
 use super::partial::Passed;
 use super::requirement::{Message, Part};
 use super::scalar::{Flag, Scalar, Stage};
-use super::slope::Asked;
+use super::slope::Differentiated;
 use super::value::Value;
 use super::{Elaborator, Eval, location, scalar};
 use crate::codes;
@@ -26,24 +26,24 @@ use eng_system::{Dimension, DisplayUnit};
 
 /// Steps whose result has no derivative. From an estimate with an error of a tenth of the distance over which the slope
 /// changes, five reach rounding, because each squares the error. Three more serve estimates farther away.
-const HELD: usize = 8;
+const HELD_STEPS: usize = 8;
 /// Most unknowns. A choice: Cramer's rule is written out, and its operations grow with the factorial of the
 /// number.
-const MOST: usize = 3;
-/// Correction after the held steps up to which the search has ended, over the size of the unknown and of its
-/// way. The error after this correction is about its square, 1e-12, and one more step follows. A choice: a
-/// larger one would accept solutions with few digits, and one near the rounding unit would refuse solutions
-/// that round.
-const ENDED: f64 = 1e-6;
+const MOST_UNKNOWNS: usize = 3;
+/// The search has ended if the correction after the held steps is at most this share of the sum of two sizes: that of
+/// the unknown, and that of its way from the estimate. The error after this correction is about its square, 1e-12,
+/// and one more step follows. A choice: a larger one would accept solutions with few digits, and one near the
+/// rounding unit would refuse solutions that round.
+const ENDED_CORRECTION: f64 = 1e-6;
 /// The same correction in SI units, for a zero at zero. A choice: no length or angle of a machine is as
 /// small.
-const SMALL: f64 = 1e-12;
+const SMALL_CORRECTION: f64 = 1e-12;
 /// Share of the sum of its products' magnitudes below which a determinant is rounding. The equations then do
 /// not determine the unknowns, and the correction is meaningless. A choice: some hundred rounding units.
-const SINGULAR: f64 = 1e-13;
+const SINGULAR_SHARE: f64 = 1e-13;
 
 /// A function of the unknowns with its Jacobian matrix, as nodes of one graph.
-struct System {
+struct NewtonSystem {
     stage: Stage,
     inputs: Vec<u32>,
     /// The values, then the rows of the matrix.
@@ -54,7 +54,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The value of `solve(f, estimate)`.
     pub(super) fn solve(
         &mut self,
-        asked: &Asked<'a, '_>,
+        differentiated: &Differentiated<'a, '_>,
         (written, estimate, place): (Span, Value<'a>, Span),
     ) -> Eval<Value<'a>> {
         let is_list = !matches!(estimate, Value::Scalar(_) | Value::Int(_));
@@ -62,8 +62,11 @@ impl<'a> Elaborator<'a, '_> {
             value @ (Value::Scalar(_) | Value::Int(_)) => vec![self.as_scalar(value, place)?],
             value => self.as_components(value, place)?,
         };
-        if from.is_empty() || from.len() > MOST {
-            let title = format!("`solve` finds 1 to {MOST} unknowns, not {}", from.len());
+        if from.is_empty() || from.len() > MOST_UNKNOWNS {
+            let title = format!(
+                "`solve` finds 1 to {MOST_UNKNOWNS} unknowns, not {}",
+                from.len()
+            );
             return Err(self.report(
                 Diagnostic::error(codes::LENGTHS, title)
                     .at(place, "the estimates")
@@ -72,12 +75,12 @@ impl<'a> Elaborator<'a, '_> {
                     ),
             ));
         }
-        let system = self.system_of(asked, &from, is_list)?;
+        let system = self.system_of(differentiated, &from, is_list)?;
         let stage = system.stage;
         let begin: Vec<Node> = from.iter().map(|x| self.raised(*x, stage)).collect();
-        let graph = self.bench.graph(stage);
+        let graph = self.graphs.graph(stage);
         let mut x = begin.clone();
-        for _ in 0..HELD {
+        for _ in 0..HELD_STEPS {
             x = step(graph, &system, &x).next;
         }
         for x in &mut x {
@@ -90,18 +93,21 @@ impl<'a> Elaborator<'a, '_> {
             determinant: [all, magnitudes],
         } = step(graph, &system, &x);
         let found = step(graph, &system, &near).next;
-        let (size, share) = (graph.abs(all), graph.constant(SINGULAR));
+        let (size, share) = (graph.abs(all), graph.constant(SINGULAR_SHARE));
         let rounding = graph.multiply(share, magnitudes);
         let (determined, none) = (graph.less(rounding, size), graph.constant(0.0));
         let mut ended = determined;
-        // |x₁ − x₀| ≤ ENDED (|x₁| + |x₁ − estimate|) + SMALL, and false if a number is NaN
+        // |x₁ − x₀| ≤ ENDED_CORRECTION (|x₁| + |x₁ − estimate|) + SMALL_CORRECTION, and false if a number is NaN
         for ((held, near), begin) in held.iter().zip(&near).zip(&begin) {
             let correction = graph.subtract(*near, *held);
             let correction = graph.abs(correction);
             let way = graph.subtract(*near, *begin);
             let (size, way) = (graph.abs(*near), graph.abs(way));
             let size = graph.add(size, way);
-            let (share, least) = (graph.constant(ENDED), graph.constant(SMALL));
+            let (share, least) = (
+                graph.constant(ENDED_CORRECTION),
+                graph.constant(SMALL_CORRECTION),
+            );
             let most = graph.multiply(share, size);
             let most = graph.add(most, least);
             // without a determinant the margin of the condition is the correction itself
@@ -118,7 +124,7 @@ impl<'a> Elaborator<'a, '_> {
         };
         self.watch_end(
             Flag { stage, node },
-            asked,
+            differentiated,
             (written, place),
             [numbers(&held), numbers(&residuals)],
         )?;
@@ -136,14 +142,19 @@ impl<'a> Elaborator<'a, '_> {
     fn raised(&mut self, x: Scalar, stage: Stage) -> Node {
         match stage {
             Stage::Bind => x.node,
-            Stage::Motion => self.bench.lift(x.stage, x.node),
+            Stage::Motion => self.graphs.lift(x.stage, x.node),
         }
     }
 
     /// The function at unknown arguments, with its derivatives.
-    fn system_of(&mut self, asked: &Asked<'a, '_>, from: &[Scalar], is_list: bool) -> Eval<System> {
+    fn system_of(
+        &mut self,
+        differentiated: &Differentiated<'a, '_>,
+        from: &[Scalar],
+        is_list: bool,
+    ) -> Eval<NewtonSystem> {
         // the values at the estimate give the stage, and their call includes the function's conditions
-        let known = self.values_of(asked, from, is_list)?;
+        let known = self.values_of(differentiated, from, is_list)?;
         let moves = known.iter().chain(from).any(|s| s.stage == Stage::Motion);
         let stage = if moves { Stage::Motion } else { Stage::Bind };
         if known.len() != from.len() {
@@ -156,7 +167,7 @@ impl<'a> Elaborator<'a, '_> {
                 several(from.len())
             );
             return Err(self.report(Diagnostic::error(codes::LENGTHS, title).at(
-                asked.call,
+                differentiated.call,
                 "the function must give as many numbers as it takes",
             )));
         }
@@ -166,14 +177,14 @@ impl<'a> Elaborator<'a, '_> {
             .collect();
         self.context.unknowns += count;
         let unknowns: Vec<Scalar> = (inputs.iter())
-            .map(|input| self.bench.unknown(stage, *input))
+            .map(|input| self.graphs.unknown(stage, *input))
             .collect();
-        let values = self.values_of(asked, &unknowns, is_list);
+        let values = self.values_of(differentiated, &unknowns, is_list);
         self.context.unknowns -= count;
         let mut nodes: Vec<Node> = (values?.into_iter())
             .map(|value| self.raised(value, stage))
             .collect();
-        let graph = self.bench.graph(stage);
+        let graph = self.graphs.graph(stage);
         let one = graph.constant(1.0);
         let mut columns = Vec::with_capacity(inputs.len());
         for unknown in &inputs {
@@ -181,7 +192,7 @@ impl<'a> Elaborator<'a, '_> {
                 (input == *unknown).then_some(one)
             }));
         }
-        let graph = self.bench.graph(stage);
+        let graph = self.graphs.graph(stage);
         let no_slope = |node: &Node| graph.as_constant(*node) == Some(0.0);
         let still = (0..inputs.len()).position(|row| {
             columns
@@ -195,8 +206,8 @@ impl<'a> Elaborator<'a, '_> {
         for row in 0..inputs.len() {
             nodes.extend(columns.iter().filter_map(|column| column.get(row)));
         }
-        self.depends_on_unknowns(asked, [still, unread], inputs.len())?;
-        Ok(System {
+        self.depends_on_unknowns(differentiated, [still, unread], inputs.len())?;
+        Ok(NewtonSystem {
             stage,
             inputs,
             nodes,
@@ -206,7 +217,7 @@ impl<'a> Elaborator<'a, '_> {
     /// Refuses an equation that no unknown changes, and an unknown that changes no equation.
     fn depends_on_unknowns(
         &mut self,
-        asked: &Asked<'a, '_>,
+        differentiated: &Differentiated<'a, '_>,
         [still, unread]: [Option<usize>; 2],
         count: usize,
     ) -> Eval<()> {
@@ -225,14 +236,14 @@ impl<'a> Elaborator<'a, '_> {
         };
         Err(self.report(
             Diagnostic::error(codes::NO_UNKNOWN, title)
-                .at(asked.call, "`solve` changes the argument of its function until the function is zero")
+                .at(differentiated.call, "`solve` changes the argument of its function until the function is zero")
                 .with_help("let the function read its argument: `fn distance(x: Length) -> Length = x - 3 mm`"),
         ))
     }
 
     fn values_of(
         &mut self,
-        asked: &Asked<'a, '_>,
+        differentiated: &Differentiated<'a, '_>,
         x: &[Scalar],
         is_list: bool,
     ) -> Eval<Vec<Scalar>> {
@@ -247,14 +258,19 @@ impl<'a> Elaborator<'a, '_> {
         let passed = vec![Passed {
             place: 0,
             value,
-            span: asked.call,
-            scope: asked.scope,
+            span: differentiated.call,
+            scope: differentiated.scope,
         }];
-        match self.apply(asked.function, passed, asked.call, asked.scope)? {
+        match self.apply(
+            differentiated.function,
+            passed,
+            differentiated.call,
+            differentiated.scope,
+        )? {
             value @ (Value::Scalar(_) | Value::Int(_)) => {
-                Ok(vec![self.as_scalar(value, asked.call)?])
+                Ok(vec![self.as_scalar(value, differentiated.call)?])
             }
-            value => self.as_components(value, asked.call),
+            value => self.as_components(value, differentiated.call),
         }
     }
 
@@ -262,7 +278,7 @@ impl<'a> Elaborator<'a, '_> {
     fn watch_end(
         &mut self,
         ended: Flag,
-        asked: &Asked<'a, '_>,
+        differentiated: &Differentiated<'a, '_>,
         (written, place): (Span, Span),
         [held, residuals]: [Vec<Scalar>; 2],
     ) -> Eval<()> {
@@ -271,7 +287,7 @@ impl<'a> Elaborator<'a, '_> {
         if self.context.unknowns > 0 {
             return Ok(());
         }
-        let of_unknowns = self.dimension_at(place, asked.scope)?;
+        let of_unknowns = self.dimension_at(place, differentiated.scope)?;
         let of_values = match self.type_at(written) {
             Ok(Type::Function(signature)) => each(&signature.result),
             _ => None,
@@ -301,7 +317,7 @@ impl<'a> Elaborator<'a, '_> {
                         Some(dimension) => self.usual_unit(dimension),
                         None => DisplayUnit::si(Dimension::ONE),
                     },
-                    span: asked.call,
+                    span: differentiated.call,
                 });
             }
         }
@@ -309,14 +325,14 @@ impl<'a> Elaborator<'a, '_> {
             return Ok(());
         };
         if flag.stage == Stage::Motion {
-            let asked_for = scalar::Asked {
+            let condition = scalar::CallCondition {
                 advise: false,
                 name: String::new(),
                 flag,
                 message,
-                span: asked.call,
+                span: differentiated.call,
             };
-            return self.watched(asked_for, asked.call);
+            return self.watched(condition, differentiated.call);
         }
         let mut parts = Vec::with_capacity(message.parts.len());
         for part in message.parts {
@@ -325,14 +341,14 @@ impl<'a> Elaborator<'a, '_> {
                 Part::Value { value, display, .. } => MessagePart::Value(value.node, display),
             });
         }
-        let holds = self.bench.flag_number(flag);
+        let holds = self.graphs.flag_number(flag);
         self.draft.checks.push(Check {
             holds,
             advise: false,
             name: String::new(),
             message: parts,
-            path: self.bench.bind.owner.clone(),
-            used_at: Some(location(asked.call)),
+            path: self.graphs.bind.owner.clone(),
+            used_at: Some(location(differentiated.call)),
             defined_at: None,
         });
         Ok(())
@@ -360,7 +376,7 @@ struct Step {
     determinant: [Node; 2],
 }
 
-fn step(graph: &mut Graph, system: &System, x: &[Node]) -> Step {
+fn step(graph: &mut Graph, system: &NewtonSystem, x: &[Node]) -> Step {
     let source = graph.clone();
     let nodes = copy_into(
         &source,

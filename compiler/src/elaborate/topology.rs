@@ -181,7 +181,7 @@ impl Elaborator<'_, '_> {
     /// Whether all bodies are meant to fly freely: no element touches the ground, there is no cycle, and the
     /// text states zero gravity or a body begins with a velocity.
     fn flies(&self, grounded: bool) -> bool {
-        let graph = &self.bench.bind.graph;
+        let graph = &self.graphs.bind.graph;
         let zero = |n: &crate::ir::Node| graph.as_constant(*n) == Some(0.0);
         let weightless = self
             .draft

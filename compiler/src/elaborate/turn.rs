@@ -1,8 +1,8 @@
 //! `largest(x)`, `smallest(x)`, `where_largest(x)`: numbers of a turn of the machine without forces.
 //!
 //! x is a further output of the present element, or of an element of its own in the text of a model or component. Its
-//! number is an input of the bind graph, so a lint of such numbers is a check on parameters that is made after
-//! the turn.
+//! number in the turn is an input of the bind graph. So a lint of such numbers is a check on parameters that is made
+//! after the turn.
 
 use super::binding::span_of;
 use super::scalar::{ElementBuilder, FOLLOWED, PROVISIONAL, Scalar, Stage, TIME};
@@ -40,10 +40,10 @@ impl<'a> Elaborator<'a, '_> {
         let (_, extreme) = *self.checked(extreme, span, "no extreme of this name")?;
         let argument = self.checked(arguments.first(), span, "no quantity is given")?;
         let x = &argument.value;
-        let within = self.bench.element.is_some();
+        let within = self.graphs.element.is_some();
         let before = self.context.in_output;
         if !within {
-            self.bench.element = Some(ElementBuilder::default());
+            self.graphs.element = Some(ElementBuilder::default());
             self.context.in_output = true;
         }
         let found = self
@@ -54,7 +54,7 @@ impl<'a> Elaborator<'a, '_> {
             Ok(found) => found,
             Err(reported) => {
                 if !within {
-                    self.bench.element = None;
+                    self.graphs.element = None;
                 }
                 return Err(reported);
             }
@@ -78,7 +78,7 @@ impl<'a> Elaborator<'a, '_> {
                     true => None,
                 };
                 if let Some(Ok(place)) = same {
-                    self.bench.element = None;
+                    self.graphs.element = None;
                     return Ok(Value::Scalar(self.followed_at(extreme, place, span)));
                 }
                 let number = self.followed(extreme, found.node, span)?;
@@ -98,8 +98,8 @@ impl<'a> Elaborator<'a, '_> {
     /// The element and output of the same quantity, if a lint of the model follows it already, or else the key of this
     /// quantity. `None` for a quantity whose functions have conditions, because their messages name the call.
     fn same_quantity(&self, node: Node, scope: ScopeId) -> Option<Result<(u32, u32), String>> {
-        let element = self.bench.element.as_ref()?;
-        if !element.asked.is_empty() {
+        let element = self.graphs.element.as_ref()?;
+        if !element.call_conditions.is_empty() {
             return None;
         }
         let key = format!(
@@ -130,13 +130,13 @@ impl<'a> Elaborator<'a, '_> {
         };
         Scalar {
             stage: Stage::Bind,
-            node: self.bench.bind.graph.input(FOLLOWED + index as u32),
+            node: self.graphs.bind.graph.input(FOLLOWED + index as u32),
         }
     }
 
     /// Refuses results of fields: the pins of a machine without forces are in the middle of their shells.
     fn refuse_fields_of_turn(&mut self, node: Node, span: Span) -> Eval<()> {
-        let Some(element) = self.bench.element.as_ref() else {
+        let Some(element) = self.graphs.element.as_ref() else {
             return Ok(());
         };
         let of_field = |channel: &u32| {
@@ -164,7 +164,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The input of the bind graph that has the number of a quantity of the present element.
     fn followed(&mut self, extreme: Extreme, node: Node, span: Span) -> Eval<Scalar> {
         let index = self.draft.followed.len() as u32;
-        let Some(element) = self.bench.element.as_mut() else {
+        let Some(element) = self.graphs.element.as_mut() else {
             return self.checked(None, span, "a quantity outside of an element");
         };
         let known = element.followed.iter().find(|(same, known)| {
@@ -185,14 +185,14 @@ impl<'a> Elaborator<'a, '_> {
         };
         Ok(Scalar {
             stage: Stage::Bind,
-            node: self.bench.bind.graph.input(FOLLOWED + index),
+            node: self.graphs.bind.graph.input(FOLLOWED + index),
         })
     }
 
     /// Finishes the element of a quantity in the text of a model or component. It has no channel.
     fn element_of_turn(&mut self, scope: ScopeId, span: Span) -> Eval<()> {
         let mut draft = element::Draft::default();
-        self.asked(&mut draft);
+        self.call_conditions(&mut draft);
         let origin = Origin {
             path: self.scope(scope).path.clone(),
             used_at: Some(location(span)),

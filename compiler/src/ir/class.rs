@@ -210,8 +210,9 @@ impl ClassBody {
         })
     }
 
-    /// Φ, the wrench on each marker, ẏ. The constraints' part is −Gᵀλ, the gradient of −λᵀΦ along the pose
-    /// directions: force along x (inertial), torque along δπ with δR = R δπ~ (marker axes), by virtual work.
+    /// Φ, the wrench on each marker, ẏ. The part of the constraints in the wrenches is −Gᵀλ, the gradient of −λᵀΦ
+    /// along the pose directions: force along x (inertial), torque along δπ with δR = R δπ~ (marker axes), by virtual
+    /// work.
     fn residual(&self, graph: &mut Graph) -> Vec<Node> {
         let layout = &self.layout;
         let mut work = graph.constant(0.0);
@@ -275,7 +276,7 @@ fn check_inputs(graph: &Graph, nodes: &[Node], count: u32) -> Result<(), Differe
 
 impl ClassFunctions {
     /// Whether every function has the same operations, so that the code of one class serves the other.
-    pub fn same_code(&self, other: &ClassFunctions) -> bool {
+    pub(crate) fn same_code(&self, other: &ClassFunctions) -> bool {
         eng_system::code::Function::ALL.iter().all(|which| {
             let (own, other) = (self.get(*which), other.get(*which));
             own.inputs == other.inputs

@@ -378,7 +378,7 @@ pub(crate) enum Accelerations {
 /// Rates along the motion: time runs at 1, x at ẋ, R at R ω~ (ω in marker axes), velocities at the
 /// acceleration inputs, states at `rates` or else at their rate inputs, constants at `changing` by their
 /// inputs. Rotation references, other constants and multipliers are constant.
-pub fn time_derivative(
+pub(crate) fn time_derivative(
     graph: &mut Graph,
     layout: &InputLayout,
     nodes: &[Node],
@@ -472,7 +472,7 @@ fn turned_entry(
 }
 
 /// The inputs that nodes depend on, ascending.
-pub fn inputs_of(graph: &Graph, nodes: &[Node]) -> Vec<u32> {
+pub(crate) fn inputs_of(graph: &Graph, nodes: &[Node]) -> Vec<u32> {
     let needed = dependencies(graph, nodes);
     let mut inputs: Vec<u32> = graph
         .nodes()
@@ -489,14 +489,19 @@ pub fn inputs_of(graph: &Graph, nodes: &[Node]) -> Vec<u32> {
 }
 
 /// Whether nodes depend on accelerations or state rates.
-pub fn uses_acceleration(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
+pub(crate) fn uses_acceleration(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
     inputs_of(graph, nodes)
         .into_iter()
         .any(|i| Place::of(layout, i) == Place::Acceleration)
 }
 
 /// Whether nodes depend on the results of fields; with `readings`, on their readings alone.
-pub fn uses_fields(graph: &Graph, nodes: &[Node], layout: &InputLayout, readings: bool) -> bool {
+pub(crate) fn uses_fields(
+    graph: &Graph,
+    nodes: &[Node],
+    layout: &InputLayout,
+    readings: bool,
+) -> bool {
     inputs_of(graph, nodes)
         .into_iter()
         .any(|i| match Place::of(layout, i) {
@@ -520,7 +525,7 @@ pub(crate) fn reads(
 
 /// Whether nodes depend on inputs that only outputs have: accelerations, rates of states, multipliers,
 /// channels of other elements.
-pub fn known_in_outputs_only(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
+pub(crate) fn known_in_outputs_only(graph: &Graph, nodes: &[Node], layout: &InputLayout) -> bool {
     let multipliers = layout.multiplier(0)..layout.multiplier(layout.rows);
     inputs_of(graph, nodes)
         .into_iter()

@@ -77,7 +77,7 @@ impl Op {
     }
 
     /// The same operation on other operands.
-    pub fn map_operands(self, mut f: impl FnMut(Node) -> Node) -> Op {
+    pub(crate) fn map_operands(self, mut f: impl FnMut(Node) -> Node) -> Op {
         match self {
             Op::Input(_) | Op::Constant(_) => self,
             Op::Add(a, b) => Op::Add(f(a), f(b)),
@@ -189,7 +189,7 @@ impl Graph {
     }
 
     /// The value of a constant node.
-    pub fn as_constant(&self, node: Node) -> Option<f64> {
+    pub(crate) fn as_constant(&self, node: Node) -> Option<f64> {
         match self.op(node) {
             Op::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,

@@ -1,14 +1,14 @@
 //! The kink functions of a class: where its loads, the rates of its states and its constraints are not smooth.
 //!
-//! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the
-//! argument of `abs` is zero, at points of a table, in constraints at the cut of `atan2`, and where
-//! `acos(cos(x))` or `asin(sin(x))` turns back. Each of these is a function of the motion that changes its
-//! sign at the kink. The functions come from the graph of loads and constraints. So a kink counts in the text
-//! of the class, of a function that it calls, and of a library. A function of constants alone never changes
-//! and does not count. A constant that follows an input between two points of time changes.
+//! A value has a kink where a comparison changes, where the arguments of `min` or `max` are equal, where the argument
+//! of `abs` is zero, at points of a table, in constraints at the cut of `atan2`, and where `acos(cos(x))` or
+//! `asin(sin(x))` turns back. For each of these there is a function of the motion that changes its sign at the kink.
+//! The functions come from the graph of loads and constraints. So a kink counts in the text of the class, of a
+//! function that it calls, and of a library. A function of constants alone never changes and does not count, except
+//! where a constant follows an input between two points of time.
 //!
-//! The points of a table that are kinks depend on its numbers, so the runtime finds them. The function is the
-//! argument, and [`TableKink`] says how smooth it must be there.
+//! Which points of a table are kinks depends on its numbers, so the runtime finds them. The kink function is the
+//! argument of the table, and [`TableKink`] says how smooth the table must be there.
 //!
 //! A kink in a branch that is not selected changes nothing. So each function has a number that is 1 while the value
 //! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use
@@ -24,7 +24,7 @@ use super::differentiate::{
 };
 use super::graph::{Function, Graph, Node, Op};
 use super::look_up::Orders;
-use super::optimise::dependencies;
+use super::optimise::{dependencies, dependencies_through};
 use eng_system::elementary::Elementary;
 use eng_system::layout::InputLayout;
 use eng_system::system::{Course, TableKink};
@@ -77,8 +77,8 @@ pub(crate) struct Kinks {
     pub places: Vec<KinkPlace>,
     /// The kind of each.
     pub kinds: Vec<KinkKind>,
-    /// Values, rates, the handles of tables (−1 for others), 1 where the operation is used, else 0, and the rates of the
-    /// arguments of sines in functions of the motion.
+    /// For all functions: their values; their rates; the handles of their tables (−1 without one); 1 where the
+    /// operation is used, else 0. Then the rates of the arguments of sines in functions of the motion.
     pub outputs: Vec<Node>,
     /// Number of these arguments.
     pub phases: u32,
@@ -97,7 +97,7 @@ pub(crate) struct KinkFunction {
     pub below: Option<Node>,
 }
 
-/// The kink functions of an operation; one for each argument of a table, with the derivatives that loads need.
+/// The kink functions of an operation. A table has one for each argument, with the derivatives that loads need.
 pub(crate) fn functions_of(graph: &mut Graph, op: Op) -> Vec<KinkFunction> {
     let mut below = None;
     let value = match op {
@@ -140,8 +140,8 @@ pub(crate) fn functions_of(graph: &mut Graph, op: Op) -> Vec<KinkFunction> {
     }]
 }
 
-/// The operation whose text names a kink: for a derivative of a table it is the look-up of the value, if the
-/// text has one.
+/// The operation whose text names a kink. For a derivative of a table it is the look-up of the value, if the text has
+/// one.
 fn named(graph: &Graph, node: Node) -> Node {
     match graph.op(node) {
         Op::Table(handle, arguments, orders) => {
@@ -372,8 +372,8 @@ fn course(
     }
 }
 
-/// The arguments of sines, cosines and tangents that change in kink functions of the motion. Such a function may change its sign
-/// and back in each period, so a step must be short beside them.
+/// The arguments of sines, cosines and tangents that change in kink functions of the motion. Such a function may
+/// change its sign twice in each period, so a step must be short in comparison with a period.
 fn phases(
     graph: &Graph,
     layout: &InputLayout,
@@ -535,18 +535,9 @@ fn either(graph: &mut Graph, a: Option<Node>, b: Node) -> Node {
 
 /// The operations that values depend on, without those of iterations: `held` passes no change on.
 pub(crate) fn smoothly_needed(graph: &Graph, watched: &[Node]) -> Vec<bool> {
-    let mut needed = vec![false; graph.nodes().len()];
-    for node in watched {
-        needed[node.0 as usize] = true;
-    }
-    for (index, op) in graph.nodes().iter().enumerate().rev() {
-        if needed[index] && !matches!(op, Op::Elementary(Elementary::Held, _)) {
-            for operand in op.operands() {
-                needed[operand.0 as usize] = true;
-            }
-        }
-    }
-    needed
+    dependencies_through(graph, watched, |op| {
+        !matches!(op, Op::Elementary(Elementary::Held, _))
+    })
 }
 
 /// Whether a value depends on the motion, on time or on a constant that changes.

@@ -11,7 +11,7 @@ pub struct Orders {
 
 impl Orders {
     /// The largest order in one argument: tables are piecewise cubic.
-    const MOST: u8 = 3;
+    const HIGHEST_ORDER: u8 = 3;
 
     /// The value over some arguments; those beyond the largest number of a table do not count.
     pub fn of_value(arguments: usize) -> Orders {
@@ -25,7 +25,7 @@ impl Orders {
     pub fn raised(mut self, argument: usize) -> Option<Orders> {
         let order = self.orders.get_mut(argument)?;
         *order += 1;
-        (*order <= Self::MOST).then_some(self)
+        (*order <= Self::HIGHEST_ORDER).then_some(self)
     }
 
     /// The order in each argument.

@@ -4,24 +4,23 @@
 //! vectors, names, units or instances. Nodes are created in topological order, and each exists once
 //! (hash-consed).
 
-pub mod class;
-pub mod depth;
-pub mod differentiate;
-pub mod graph;
-pub mod interpret;
+mod class;
+pub(crate) mod depth;
+pub(crate) mod differentiate;
+mod graph;
+pub(crate) mod interpret;
 pub(crate) mod kinks;
 mod linearise;
-pub mod look_up;
+pub(crate) mod look_up;
 pub mod optimise;
 mod print;
 
 pub use class::{ClassBody, ClassFunctions};
-pub use differentiate::{
-    DifferentiateError, forward, gradient, inputs_of, time_derivative, uses_acceleration,
-};
+pub(crate) use differentiate::inputs_of;
+pub use differentiate::{DifferentiateError, forward, gradient};
 pub use graph::{Function, Graph, Node, Op};
 pub use interpret::{InterpretedClass, Interpreter};
 pub use kinks::{BoundKink, KinkKind, KinkPlace};
 pub use look_up::Orders;
-pub(crate) use optimise::dependencies;
-pub use optimise::{copy_into, optimise};
+pub use optimise::optimise;
+pub(crate) use optimise::{copy_into, dependencies};

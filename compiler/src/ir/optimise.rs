@@ -4,12 +4,21 @@ use super::graph::{Function, Graph, Node, Op};
 
 /// For each node, whether one of the given nodes depends on it or is it.
 pub fn dependencies(graph: &Graph, nodes: &[Node]) -> Vec<bool> {
+    dependencies_through(graph, nodes, |_| true)
+}
+
+/// The same, without the operands of operations that `passes` excludes.
+pub(crate) fn dependencies_through(
+    graph: &Graph,
+    nodes: &[Node],
+    passes: impl Fn(&Op) -> bool,
+) -> Vec<bool> {
     let mut needed = vec![false; graph.nodes().len()];
     for node in nodes {
         needed[node.0 as usize] = true;
     }
     for (index, op) in graph.nodes().iter().enumerate().rev() {
-        if needed[index] {
+        if needed[index] && passes(op) {
             for operand in op.operands() {
                 needed[operand.0 as usize] = true;
             }
@@ -20,7 +29,7 @@ pub fn dependencies(graph: &Graph, nodes: &[Node]) -> Vec<bool> {
 
 /// Copies nodes and their operands into another graph, through its folding builders. `input` makes the node
 /// for an input: the same input, another index, or any expression.
-pub fn copy_into(
+pub(crate) fn copy_into(
     source: &Graph,
     nodes: &[Node],
     target: &mut Graph,
@@ -65,8 +74,8 @@ pub fn optimise(function: &Function) -> Function {
     }
 }
 
-/// Puts operations in the order of a walk from the outputs, the operand that needs more registers first
-/// (Sethi & Ullman 1970, which is exact for trees), so that few values live at once.
+/// Puts operations in the order of a walk from the outputs, so that few values live at once. The operand that needs
+/// more registers comes first (Sethi & Ullman 1970; exact for trees).
 fn order(graph: &Graph, outputs: &[Node]) -> (Graph, Vec<Node>) {
     let mut registers = vec![1_u32; graph.nodes().len()];
     for (index, op) in graph.nodes().iter().enumerate() {

@@ -15,9 +15,9 @@ const PAIR: i64 = size_of::<Pair>() as i64;
 /// Reach of a one-byte offset to either side.
 const REACH: i64 = 128;
 
-/// Least number of uses for a base register. Setting it takes seven bytes, and each use saves three: three
-/// uses win two bytes, four win five. A choice: the instruction that sets it costs time as well, and a
-/// register is taken. It changes the length of the code alone.
+/// Least number of uses for a base register. Setting it takes seven bytes, and each use saves three. So three uses
+/// save two bytes, and four save five. A choice: the instruction that sets the register also takes time. The number
+/// changes the length of the code alone, and no result.
 const WORTH_A_BASE: usize = 4;
 
 /// Most registers for bases at the same time. A choice: of the sixteen of x86-64, the rest serve for the

@@ -78,8 +78,8 @@ impl Constants {
 /// more for itself, the register allocator provides it.
 const REGISTERS: usize = 16;
 
-/// Least number of future uses for loading a value into a free register. With one use an instruction reads
-/// the value from memory as fast.
+/// Least number of future uses for loading a value into a free register. For a single use, an instruction that reads
+/// the value from memory is as fast.
 const WORTH_LOADING: usize = 2;
 
 /// Plans a function.

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// Most definitions that depend on each other in a chain. A choice: texts have some ten, and the stack has
 /// room for this depth.
-const DEEPEST: u32 = 100;
+const DEEPEST_DEFINITIONS: u32 = 100;
 
 /// A definition under a name.
 pub(super) trait Defined: Clone {
@@ -103,7 +103,7 @@ impl<I: Defined, T: Clone> Definitions<I, T> {
         let Some(item) = self.items.get(name).cloned() else {
             return Looked::Known(None);
         };
-        if self.depth > DEEPEST {
+        if self.depth > DEEPEST_DEFINITIONS {
             diagnostics.push(
                 Diagnostic::error(codes::BAD_UNIT, "the definitions are nested too deeply")
                     .at(item.name().span, "here it is too deep"),

@@ -11,7 +11,7 @@ pub(crate) mod suggest;
 mod units;
 
 use crate::program::Program;
-pub use crate::program::{GAS_LAW, JOURNAL_LAW, WELD};
+pub(crate) use crate::program::{JOURNAL_LAW, WELD};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::host::Host;
 

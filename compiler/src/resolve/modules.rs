@@ -58,7 +58,7 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
 }
 
 /// Longest chain of files that use each other. A choice: the stack has room for this depth.
-const DEEPEST: usize = 100;
+const DEEPEST_FILES: usize = 100;
 
 struct Loader<'a> {
     host: &'a dyn Host,
@@ -76,8 +76,8 @@ struct Loader<'a> {
     library_units: UnitWords,
 }
 
-/// Reads all modules. A word after a unit belongs to the unit if it is a unit itself, also one of a module that is read
-/// later. In this rare case all modules are read once more.
+/// Reads all modules. A word after a unit belongs to the unit if it is a unit itself. If the module of this second
+/// unit is read later, which is rare, all modules are read once more.
 pub(super) fn load(
     root: &str,
     host: &dyn Host,
@@ -175,10 +175,10 @@ impl Loader<'_> {
             );
             return;
         }
-        if self.open.len() > DEEPEST {
+        if self.open.len() > DEEPEST_FILES {
             let mut message = Diagnostic::error(
                 codes::NO_MODULE,
-                format!("more than {DEEPEST} files use each other in a row"),
+                format!("more than {DEEPEST_FILES} files use each other in a row"),
             );
             message = message.at_if(used_at, "not followed");
             self.diagnostics.push(message);

@@ -10,8 +10,7 @@ use eng_grammar::ast::{File, ItemKind, Name, UseNames};
 use eng_grammar::{Diagnostic, Diagnostics, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The name that a top-level item defines, except units, which have a table of their own.
-/// The name that an item gives to the scope of its file. Units have names of their own.
+/// The name that a top-level item gives to the scope of its file. Units have a table of their own.
 pub(crate) fn defined_name(item: &ItemKind) -> Option<&Name> {
     match item {
         ItemKind::Unit(_) | ItemKind::Entry(_) => None,

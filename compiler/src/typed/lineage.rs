@@ -148,8 +148,8 @@ pub(crate) fn word_of_length(ty: &TypeExpr) -> Option<(&String, Span)> {
     }
 }
 
-/// The parameters of a class or interface in their order: those of its interface, then those that it adds. A
-/// class that repeats all parameters of its interface has the order of its own list.
+/// The parameters of a class or interface in their order: those of its interface, then those that it adds. If a class
+/// repeats all parameters of its interface, the order is that of its own list.
 pub(crate) fn parameters(program: &Program, id: DefinitionId) -> Vec<ClassParameter<'_>> {
     let mut found: Vec<ClassParameter<'_>> = Vec::new();
     for level in levels(program, id) {

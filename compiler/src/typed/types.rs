@@ -1,5 +1,5 @@
-//! Types of values, and the arithmetic of dimensions with variables, with angles that a computed
-//! value may drop, and with points.
+//! Types of values, and the arithmetic of dimensions: dimension variables, angles that a computed value may drop,
+//! and points.
 
 use crate::program::{DefinitionId, ValueType};
 use eng_grammar::Span;
@@ -347,8 +347,8 @@ impl Quantity {
         }
     }
 
-    /// The quantity with the solved variables replaced. A lone variable `D` takes angle and kind of its
-    /// solution too.
+    /// The quantity with its solved variables replaced. A lone variable `D` also takes the angle and the kind of its
+    /// solution.
     pub fn with(&self, solved: &Solution) -> Quantity {
         if self.dim.base.is_one()
             && let [(number, DENOMINATOR)] = self.dim.variables.as_slice()

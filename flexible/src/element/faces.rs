@@ -27,3 +27,20 @@ pub(crate) fn around(
         .filter_map(|(a, b)| Some((nodes.get(*a).copied()?, middle(*a, *b))))
         .collect()
 }
+
+/// Flat facets of a face: a triangle at each corner between mid-side nodes, and the polygon of all other nodes.
+pub(crate) fn facets(ring: &[(u32, Option<u32>)]) -> Vec<Vec<u32>> {
+    let mut facets = Vec::new();
+    let mut inner = Vec::new();
+    let mut before = ring.last().and_then(|(_, middle)| *middle);
+    for (corner, middle) in ring {
+        match (before, *middle) {
+            (Some(before), Some(after)) => facets.push(vec![before, *corner, after]),
+            _ => inner.push(*corner),
+        }
+        inner.extend(*middle);
+        before = *middle;
+    }
+    facets.push(inner);
+    facets
+}

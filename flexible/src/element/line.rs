@@ -11,6 +11,7 @@ pub(super) const BEAM2: Description = Description {
     edges: &[[0, 1]],
     faces: &[],
     simplices: &[&[0, 1]],
+    corner_edges: (&[], 1.0),
     centre: [0.0; 3],
     shape: |_, _| {},
     stiffness: no_points,

@@ -20,11 +20,14 @@ mod simplex;
 mod wedge;
 
 pub use faces::ABSENT;
-pub(crate) use faces::around;
+pub(crate) use faces::{around, facets};
 pub use shape::{MOST_NODES, Shape};
 
 use quadrature::Point;
 use serde::{Deserialize, Serialize};
+
+/// 2/√3: times the sine of a corner of a triangle of equal sides it is 1.
+pub(crate) const TRIANGLE: f64 = 1.154_700_538_379_251_5;
 
 /// Defines the elements of the table: each has a variant and its row.
 macro_rules! elements {
@@ -78,6 +81,19 @@ elements! {
     Beam2: line::BEAM2;
 }
 
+impl ElementKind {
+    /// The element of a face with so many corners, with or without mid-side nodes.
+    pub(crate) const fn of_face(corners: usize, curved: bool) -> Option<ElementKind> {
+        match (corners, curved) {
+            (3, false) => Some(ElementKind::Triangle3),
+            (3, true) => Some(ElementKind::Triangle6),
+            (4, false) => Some(ElementKind::Quadrilateral4),
+            (4, true) => Some(ElementKind::Quadrilateral8),
+            _ => None,
+        }
+    }
+}
+
 /// A row of the table.
 #[derive(Clone, Copy)]
 pub(crate) struct Description {
@@ -96,6 +112,9 @@ pub(crate) struct Description {
     pub(crate) faces: &'static [&'static [usize]],
     /// Tetrahedra, triangles or a line that fill the element between its corners.
     pub(crate) simplices: &'static [&'static [usize]],
+    /// For each corner of a solid at which three edges meet, the other ends of these edges, right-handed. The number
+    /// multiplies the triple product of the edges' directions to 1 for corners of a regular element.
+    pub(crate) corner_edges: (&'static [[usize; 3]], f64),
     /// The middle of the reference domain.
     pub(crate) centre: [f64; 3],
     /// Writes its functions at a point of the reference domain into a zeroed shape.

@@ -31,6 +31,11 @@ pub(super) const PYRAMID5: Description = Description {
         &[3, 4, 0],
     ],
     simplices: &[&[0, 1, 2, 4], &[0, 2, 3, 4]],
+    // four edges meet at the apex
+    corner_edges: (
+        &[[1, 3, 4], [2, 0, 4], [3, 1, 4], [0, 2, 4]],
+        std::f64::consts::SQRT_2,
+    ),
     centre: [0.0, 0.0, 0.25],
     shape: linear,
     stiffness: || quadrature::pyramid(2),

@@ -11,6 +11,10 @@ pub(super) const TETRAHEDRON4: Description = Description {
     edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
     faces: &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
     simplices: &[&[0, 1, 2, 3]],
+    corner_edges: (
+        &[[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]],
+        std::f64::consts::SQRT_2,
+    ),
     centre: [0.25; 3],
     shape: |shape, at| linear(shape, at, 3),
     stiffness: quadrature::tetrahedron_1,
@@ -58,6 +62,7 @@ pub(super) const TRIANGLE3: Description = Description {
     edges: &[[0, 1], [1, 2], [2, 0]],
     faces: &[&[0, 1, 2]],
     simplices: &[&[0, 1, 2]],
+    corner_edges: (&[], 1.0),
     centre: [1.0 / 3.0, 1.0 / 3.0, 0.0],
     shape: |shape, at| linear(shape, at, 2),
     stiffness: no_points,

@@ -1,6 +1,6 @@
 //! Wedges: a triangle in r, s times a line in t.
 
-use super::{Description, ElementKind, Names, Shape, quadrature};
+use super::{Description, ElementKind, Names, Shape, TRIANGLE, quadrature};
 
 /// The wedge of six nodes.
 pub(super) const WEDGE6: Description = Description {
@@ -27,6 +27,17 @@ pub(super) const WEDGE6: Description = Description {
         &[2, 5, 3, 0],
     ],
     simplices: &[&[0, 1, 2, 3], &[1, 2, 3, 4], &[2, 3, 4, 5]],
+    corner_edges: (
+        &[
+            [1, 2, 3],
+            [2, 0, 4],
+            [0, 1, 5],
+            [5, 4, 0],
+            [3, 5, 1],
+            [4, 3, 2],
+        ],
+        TRIANGLE,
+    ),
     centre: [1.0 / 3.0, 1.0 / 3.0, 0.0],
     shape: linear,
     stiffness: || quadrature::wedge(&quadrature::triangle_3(), 2),

@@ -5,7 +5,7 @@
 //! same bits, for any number of threads. Memory is that of the matrices and a few megabytes.
 
 use super::beam::{self, BeamMass};
-use super::check::{self, Role, role, wrong};
+use super::check::{self, Role, role};
 use super::connection;
 use super::form::{self, Form};
 use super::freedoms::{FreedomMap, direction, is_isotropic};
@@ -27,7 +27,7 @@ const BLOCK: usize = 1024;
 
 /// Stiffness and mass of a mesh.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Structure {
+pub struct Assembled {
     /// The places of each node's freedoms.
     pub freedoms: FreedomMap,
     /// Stiffness over full freedoms, basic axes (N/m, N, N m).
@@ -44,7 +44,7 @@ pub struct Structure {
 ///
 /// # Errors
 /// Those of [`assemble_on`]. They use the ids of the file.
-pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> {
+pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Assembled, FlexibleError> {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     assemble_on(mesh, rules, threads)
 }
@@ -55,7 +55,7 @@ pub fn assemble(mesh: &Mesh, rules: &Rules) -> Result<Structure, FlexibleError> 
 /// Places that are not numbers, indices out of range, missing or senseless sections and materials, inverted
 /// or flat elements (Jacobian at or below zero at an integration point of the stiffness), beams without
 /// length or orientation, nodes with mass but without stiffness, parts that nothing connects, no mass at all.
-pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structure, FlexibleError> {
+pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Assembled, FlexibleError> {
     check::check(mesh)?;
     form::check(mesh, rules.stiffness)?;
     let rules = &rules.for_mesh(mesh);
@@ -63,7 +63,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     connection::check(mesh, &freedoms)?;
     let parts = Parts::new(mesh);
     let pattern = parts.pattern(mesh, &freedoms);
-    let mut system = System {
+    let mut system = Assembly {
         layout: pattern.freedom_layout(&freedoms),
         stiffness: Vec::new(),
         mass: Vec::new(),
@@ -81,7 +81,7 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     system.add_inerters(&mut general);
     system.add_point_masses(&mut general);
     let node_layout = system.pattern.node_layout();
-    let System {
+    let Assembly {
         layout,
         stiffness,
         mass,
@@ -100,12 +100,12 @@ pub fn assemble_on(mesh: &Mesh, rules: &Rules, threads: usize) -> Result<Structu
     let mass = Mass::new(freedoms.clone(), solid, general)?;
     let total = mass.rigid(mesh).mass;
     if total.is_nan() || total <= 0.0 {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             "the structure has no mass".into(),
             "give its materials a density, in the file or by `material =` of the body",
         ));
     }
-    Ok(Structure {
+    Ok(Assembled {
         freedoms,
         stiffness,
         mass,
@@ -166,7 +166,7 @@ impl Parts {
 }
 
 /// The matrices during the assembly.
-struct System<'a> {
+struct Assembly<'a> {
     mesh: &'a Mesh,
     freedoms: &'a FreedomMap,
     pattern: Pattern,
@@ -183,7 +183,7 @@ struct Computed {
     stiff: bool,
 }
 
-impl System<'_> {
+impl Assembly<'_> {
     /// Adds solids and surfaces with mass alone.
     fn add_areas(
         &mut self,
@@ -537,7 +537,7 @@ pub(crate) fn of_beam<T>(
     what: impl Fn([[f64; 3]; 2], &BeamAxes, &[Station], &Material) -> Result<T, String>,
 ) -> Result<T, FlexibleError> {
     let fault = |what: String| {
-        wrong(
+        FlexibleError::structure(
             format!("beam {}: {what}", element.id),
             "check its nodes, offsets, orientation and releases",
         )

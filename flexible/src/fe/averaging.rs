@@ -14,7 +14,6 @@
 //! over the nodes by their weights, with forces that balance its moment. Motions that no node shows (the spin of
 //! nodes on a line) are left out of the fit.
 
-use super::check::wrong;
 use super::freedoms::{FreedomMap, direction};
 use super::vector::{cross, norm, subtract};
 use crate::error::FlexibleError;
@@ -51,7 +50,7 @@ pub(super) fn followers(
     independent: &[(u32, f64, u8)],
 ) -> Result<Vec<Follower>, FlexibleError> {
     if let Some((node, weight, _)) = independent.iter().find(|(_, weight, _)| *weight < 0.0) {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!(
                 "averaging tie {id}: node {} has the weight {weight}",
                 mesh.nodes[*node as usize].id
@@ -60,7 +59,7 @@ pub(super) fn followers(
         ));
     }
     if let Some((node, ..)) = independent.iter().find(|(node, ..)| *node == reference) {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!(
                 "averaging tie {id}: node {} follows itself",
                 mesh.nodes[*node as usize].id
@@ -103,7 +102,7 @@ pub(super) fn followers(
         }
     }
     if terms.is_empty() {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!("averaging tie {id} has no node with a weight and a component to follow"),
             "give nodes, weights above zero and components",
         ));
@@ -139,7 +138,7 @@ pub(super) fn followers(
                     *x += share / value * v;
                 }
             } else if share.abs() > UNDETERMINED {
-                return Err(wrong(
+                return Err(FlexibleError::structure(
                     format!(
                         "averaging tie {id}: its nodes don't determine component {} of node {}",
                         component + 1,

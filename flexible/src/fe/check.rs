@@ -24,13 +24,6 @@ pub(crate) fn list(ids: impl IntoIterator<Item = String>) -> String {
     }
 }
 
-pub(super) fn wrong(problem: String, advice: &str) -> FlexibleError {
-    FlexibleError::Structure {
-        problem,
-        advice: advice.into(),
-    }
-}
-
 const BROKEN: &str = "read the mesh again from its file; it refers to an object that is missing";
 
 /// The role of an element in the assembly of the matrices.
@@ -218,7 +211,7 @@ pub(super) fn check_nodes(mesh: &Mesh) -> Result<(), FlexibleError> {
         .map(|node| node.id)
         .collect();
     if !bad.is_empty() {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!(
                 "coordinates that are not numbers at {} nodes: {}",
                 bad.len(),
@@ -231,7 +224,7 @@ pub(super) fn check_nodes(mesh: &Mesh) -> Result<(), FlexibleError> {
         let Some(index) = node.frame else { continue };
         let known = mesh.frames.get(index as usize);
         if !known.is_some_and(|frame| is_rotation(&frame.rotation)) {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!("the analysis frame of node {} is not a rotation", node.id),
                 BROKEN,
             ));
@@ -253,7 +246,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
                 return Err(without_material(mesh, element, &property.name));
             }
             let advice = "give solids a solid property, beams a beam section, shells a shell section, each with a material";
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!(
                     "element {} ({:?}) has the property “{}”, which does not fit it or names no material",
                     element.id, element.kind, property.name
@@ -267,13 +260,13 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
         if let Role::Shell(sheet) = &role
             && let Some(fault) = shape_fault(mesh, element, sheet)
         {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!("element {} has {fault}", element.id),
                 "check the element's offset, thicknesses and material direction",
             ));
         }
         if let Some(fault) = section_fault(mesh, &property.section, role) {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!(
                     "element {}: the property “{}” has {fault}",
                     element.id, property.name
@@ -290,7 +283,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
                 continue;
             };
             if !of_sheets && material.sheet.is_some() {
-                return Err(wrong(
+                return Err(FlexibleError::structure(
                     format!(
                         "element {} is no shell, but its material “{}” is only for sheets",
                         element.id, material.name
@@ -303,7 +296,7 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
             }
             let line = matches!(role, Role::Beam(_));
             if let Some(fault) = material_fault(material, line) {
-                return Err(wrong(
+                return Err(FlexibleError::structure(
                     format!(
                         "element {}: the material “{}” has {fault}",
                         element.id, material.name
@@ -324,7 +317,7 @@ fn without_material(mesh: &Mesh, element: &Element, property: &str) -> FlexibleE
         name => format!(" of the property “{name}”"),
     };
     if mesh.materials.is_empty() {
-        return wrong(
+        return FlexibleError::structure(
             format!(
                 "the mesh has no material: element {}{property} needs one",
                 element.id
@@ -332,7 +325,7 @@ fn without_material(mesh: &Mesh, element: &Element, property: &str) -> FlexibleE
             "state it in the body: `material = Steel`, with `use std.materials.Steel`, or a `Solid` of your own",
         );
     }
-    wrong(
+    FlexibleError::structure(
         format!("element {}{property} has no material", element.id),
         "state its material in the file; `material =` of the body is only for a mesh without materials",
     )
@@ -382,7 +375,7 @@ pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), Flexib
     let first = element.first as usize;
     let count = element.kind.node_count();
     let Some(nodes) = mesh.connectivity.get(first..first + count) else {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!("element {} lacks some of its {count} nodes", element.id),
             BROKEN,
         ));
@@ -390,14 +383,14 @@ pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), Flexib
     for (local, &node) in nodes.iter().enumerate() {
         let absent = node == ABSENT && local >= element.kind.corner_count();
         if !absent && node as usize >= mesh.nodes.len() {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!("node {} of element {} is missing", local + 1, element.id),
                 "add the node; only mid-side nodes can be left out",
             ));
         }
     }
     if element.property as usize >= mesh.properties.len() {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!("element {} has no property", element.id),
             "give every element a section and a material",
         ));
@@ -414,7 +407,7 @@ pub(crate) fn check_element(mesh: &Mesh, element: &Element) -> Result<(), Flexib
                 .all(|x| x.is_finite())
         });
         if !finite {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!("beam {} has no orientation", element.id),
                 "give the direction of the section's first axis",
             ));
@@ -438,7 +431,7 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
         None => (node as usize) < mesh.nodes.len(),
     };
     let missing = |what: &str, id: u64| {
-        wrong(
+        FlexibleError::structure(
             format!("{what} {id} refers to a node or freedom that is not there"),
             BROKEN,
         )
@@ -448,7 +441,7 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
             return Err(missing("point mass", point.id));
         }
         if let Some(fault) = mass_fault(&point.matrix) {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!("point mass {}: {fault}", point.id),
                 "check the mass card",
             ));
@@ -470,7 +463,7 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
             return Err(missing(name, spring.id));
         }
         if !(spring.stiffness >= 0.0 && spring.stiffness.is_finite()) {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!(
                     "{name} {} has a {quantity} of {} in SI units; it must be a number and not negative",
                     spring.id, spring.stiffness
@@ -499,7 +492,7 @@ pub(super) fn check_attachments(mesh: &Mesh) -> Result<(), FlexibleError> {
         .chain(&mesh.interface)
         .all(|support| known(support.node))
     {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             "a support refers to a node that is not there".into(),
             BROKEN,
         ));

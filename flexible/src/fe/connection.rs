@@ -1,6 +1,6 @@
 //! Whether a structure is one piece.
 
-use super::check::{Role, list, role, wrong};
+use super::check::{Role, list, role};
 use super::freedoms::FreedomMap;
 use crate::error::FlexibleError;
 use crate::mesh::{ABSENT, Mesh, scalar_index};
@@ -78,7 +78,7 @@ impl Pieces {
             .filter(|node| !self.held[*node])
             .collect();
         if !loose.is_empty() {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!(
                     "{} mass but no stiffness: {}",
                     match loose.len() {
@@ -96,7 +96,7 @@ impl Pieces {
         }
         let parts: Vec<usize> = (0..size.len()).filter(|node| size[*node] > 0).collect();
         if parts.len() > 1 {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!(
                     "the structure falls into {} parts that nothing connects: {}",
                     parts.len(),

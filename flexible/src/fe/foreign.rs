@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use super::assemble::Structure;
-use super::check::{check_attachments, check_nodes, list, wrong};
+use super::assemble::Assembled;
+use super::check::{check_attachments, check_nodes, list};
 use super::connection;
 use super::freedoms::{FreedomMap, direction};
 use super::mass::Mass;
@@ -31,7 +31,7 @@ pub struct NodalMatrix {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForeignStructure {
     /// Matrices over the full freedoms, basic axes.
-    pub structure: Structure,
+    pub structure: Assembled,
     /// Freedoms without stiffness and mass that no tie expresses: held, each in its node's analysis frame.
     pub missing: Vec<Support>,
 }
@@ -64,7 +64,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
         match index.get(node) {
             Some(node) if *component < 6 => found.push((*node, *component)),
             Some(_) => {
-                return Err(wrong(
+                return Err(FlexibleError::structure(
                     format!("{title} names component {} of node {node}", component + 1),
                     "name components from 1 to 6",
                 ));
@@ -74,7 +74,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     }
     unknown.dedup();
     if !unknown.is_empty() {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!(
                 "{title} has rows of {} nodes that are not in the mesh: {}",
                 unknown.len(),
@@ -86,7 +86,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
     let mut sorted = found.clone();
     sorted.sort_unstable();
     if let Some([(node, component), ..]) = sorted.windows(2).find(|p| p.first() == p.last()) {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!(
                 "{title} has two rows of {}",
                 mesh.freedom_name(*node, *component)
@@ -239,7 +239,7 @@ pub fn from_matrices(
     let mass = Mass::new(freedoms.clone(), none, Some(general))?;
     let total = mass.rigid(mesh).mass;
     if total.is_nan() || total <= 0.0 {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             format!("the mass matrix gives the whole structure a mass of {total} kg"),
             "check that it is the mass matrix of this run, and check its units",
         ));
@@ -248,7 +248,7 @@ pub fn from_matrices(
         .filter(|node| freedoms.of(*node).is_empty())
         .collect();
     Ok(ForeignStructure {
-        structure: Structure {
+        structure: Assembled {
             freedoms,
             stiffness,
             mass,

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::check::{Role, role, wrong};
+use super::check::{Role, role};
 use super::form;
 use super::rules::StiffnessRule;
 use super::shell;
@@ -87,7 +87,7 @@ impl FreedomMap {
         }
         inner.sort_unstable();
         if inner.windows(2).any(|pair| pair[0].0 == pair[1].0) {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 "two elements share the list of their nodes, and have modes of their own inside"
                     .into(),
                 "give each element a list of its own",
@@ -186,11 +186,6 @@ impl FreedomMap {
     /// Index of the first scalar point among all nodes.
     fn first_scalar(&self) -> usize {
         self.all_nodes().saturating_sub(self.scalars as usize)
-    }
-
-    /// Number of scalar points.
-    pub fn scalar_count(&self) -> usize {
-        self.scalars as usize
     }
 
     /// Number of nodes, including inner ones and scalar points.
@@ -318,7 +313,7 @@ impl TryFrom<Stored> for FreedomMap {
 }
 
 fn too_many() -> FlexibleError {
-    wrong(
+    FlexibleError::structure(
         "the mesh has more than 4 billion freedoms".into(),
         "make a coarser mesh",
     )

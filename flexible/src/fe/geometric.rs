@@ -15,7 +15,7 @@
 
 use super::assemble::{of_beam, present};
 use super::beam;
-use super::check::{self, Role, role, wrong};
+use super::check::{self, Role, role};
 use super::freedoms::FreedomMap;
 use super::mass::Mass;
 use super::pattern::Pattern;
@@ -69,7 +69,7 @@ impl GeometricStiffness {
                     add_beam(mesh, element, freedoms, columns, &mut beams)?;
                 }
                 Some(Role::Shell(..)) => {
-                    return Err(wrong(
+                    return Err(FlexibleError::structure(
                         format!(
                             "element {} is a shell, and Eng has no geometric stiffness of shells",
                             element.id
@@ -81,7 +81,7 @@ impl GeometricStiffness {
             }
         }
         if !stressed {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 "geometric stiffness needs the stresses of solids or beams, and the mesh has none"
                     .into(),
                 "leave it out; matrices of another code do not state their stresses",
@@ -122,7 +122,7 @@ impl SymmetricOperator for GeometricStiffness {
 }
 
 fn another_mesh() -> FlexibleError {
-    wrong("the displacements are another mesh's".into(), "")
+    FlexibleError::structure("the displacements are another mesh's".into(), "")
 }
 
 /// The pairs of nodes that share a solid.

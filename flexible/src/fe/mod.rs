@@ -1,7 +1,7 @@
 //! The finite-element kernel: a mesh becomes stiffness and mass.
 //!
 //! ```text
-//! Mesh (SI) ──check──▶ freedoms ─assemble─▶ Structure { stiffness, mass } ─ties─▶ Reduction (full = T · free)
+//! Mesh (SI) ──check──▶ freedoms ─assemble─▶ Assembled { stiffness, mass } ─ties─▶ Reduction (full = T · free)
 //! ```
 //!
 //! All quantities are in SI and in the basic frame. Supports, ties and springs are turned from their analysis
@@ -33,7 +33,7 @@ pub mod ties;
 pub(crate) mod vector;
 pub mod volume;
 
-pub use assemble::{Structure, assemble, assemble_on};
+pub use assemble::{Assembled, assemble, assemble_on};
 pub use foreign::{ForeignStructure, NodalMatrix, from_matrices};
 pub use form::Form;
 pub use freedoms::FreedomMap;

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use super::check::{Role, role};
 use super::form::plain_name;
 use super::vector::{Vector, add, cross, dot, norm, scale, subtract};
-use crate::element::ElementKind;
+use crate::element::{ElementKind, TRIANGLE};
 use crate::mesh::{Element, Mesh};
 use serde::{Deserialize, Serialize};
 
@@ -103,43 +103,6 @@ impl Inventory {
     }
 }
 
-/// For each corner of a solid its neighbours, so that the sides to them are right-handed.
-fn neighbours(kind: ElementKind) -> (&'static [[usize; 3]], f64) {
-    let root = std::f64::consts::SQRT_2;
-    match kind.linear() {
-        ElementKind::Tetrahedron4 => (&[[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]], root),
-        ElementKind::Pyramid5 => (&[[1, 3, 4], [2, 0, 4], [3, 1, 4], [0, 2, 4]], root),
-        ElementKind::Wedge6 => (
-            &[
-                [1, 2, 3],
-                [2, 0, 4],
-                [0, 1, 5],
-                [5, 4, 0],
-                [3, 5, 1],
-                [4, 3, 2],
-            ],
-            TRIANGLE,
-        ),
-        ElementKind::Hexahedron8 => (
-            &[
-                [1, 3, 4],
-                [2, 0, 5],
-                [3, 1, 6],
-                [0, 2, 7],
-                [7, 5, 0],
-                [4, 6, 1],
-                [5, 7, 2],
-                [6, 4, 3],
-            ],
-            1.0,
-        ),
-        _ => (&[], 1.0),
-    }
-}
-
-/// 2/√3: by the sine of the corners of a triangle of equal sides.
-const TRIANGLE: f64 = 1.154_700_538_379_251_5;
-
 /// The longest side by the shortest, and the sharpest corner. `None` for lines. Both are dimensionless.
 fn shape(kind: ElementKind, corners: &[Vector]) -> Option<(f64, f64)> {
     let count = corners.len();
@@ -156,8 +119,8 @@ fn shape(kind: ElementKind, corners: &[Vector]) -> Option<(f64, f64)> {
         })
     };
     if kind.is_solid() {
-        let (neighbours, factor) = neighbours(kind);
-        for (corner, [a, b, c]) in neighbours.iter().enumerate() {
+        let (ends, factor) = kind.description().corner_edges;
+        for (corner, [a, b, c]) in ends.iter().enumerate() {
             let [a, b, c] = [unit(corner, *a)?, unit(corner, *b)?, unit(corner, *c)?];
             sharpest = sharpest.min(factor * dot(a, cross(b, c)));
         }

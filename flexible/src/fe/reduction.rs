@@ -1,7 +1,7 @@
 //! From full freedoms to free ones: full = T · free, with ties and supports eliminated.
 
-use super::assemble::Structure;
-use super::check::{list, wrong};
+use super::assemble::Assembled;
+use super::check::list;
 use super::freedoms::{FreedomMap, direction};
 use super::mass::Mass;
 use super::ties::{Constraints, Sum};
@@ -58,7 +58,7 @@ impl Reduction {
     /// As [`Constraints::new`].
     pub fn new(
         mesh: &Mesh,
-        structure: &Structure,
+        structure: &Assembled,
         held: &[Support],
     ) -> Result<Self, FlexibleError> {
         let freedoms = &structure.freedoms;
@@ -75,7 +75,7 @@ impl Reduction {
         held: &[Support],
     ) -> Result<Self, FlexibleError> {
         if freedoms.node_count() != mesh.nodes.len() {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 "the freedoms are those of another mesh".into(),
                 "take the freedoms of this mesh",
             ));
@@ -432,7 +432,7 @@ impl Reduction {
         if loose.is_empty() {
             return Ok(reduced);
         }
-        Err(wrong(
+        Err(FlexibleError::structure(
             format!(
                 "{} freedoms have no stiffness: {}",
                 loose.len(),

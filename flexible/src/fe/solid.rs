@@ -1,6 +1,5 @@
 //! Stiffness and mass of one solid: isotropic, linear elastic, small displacements.
 
-use super::check::wrong;
 use super::hexahedron;
 use super::rules::{Sample, Spread, Table};
 use super::vector::{cross, determinant, norm, subtract};
@@ -344,7 +343,7 @@ pub(super) fn add_mass(
 
 /// The error for inverted or flat elements, with their ids and Jacobians (m³).
 pub(super) fn inverted(faults: &[(u64, f64)]) -> FlexibleError {
-    wrong(
+    FlexibleError::structure(
         format!(
             "{} inverted or degenerate: {}",
             match faults.len() {

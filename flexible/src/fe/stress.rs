@@ -3,7 +3,7 @@
 //! Components are in the order xx, yy, zz, xy, yz, zx, in basic axes; shear strains are engineering ones (γ =
 //! 2 ε).
 
-use super::check::{self, Role, role, wrong};
+use super::check::{self, Role, role};
 use super::form;
 use super::freedoms::FreedomMap;
 use super::hexahedron;
@@ -325,7 +325,7 @@ pub fn nodal_stresses(
     let nodes = mesh.nodes.len();
     let vectors = full.len().checked_div(size).unwrap_or(0);
     if vectors * size != full.len() || freedoms.node_count() != nodes || wanted.len() != nodes {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             "the displacements are those of another mesh".into(),
             "take displacements of the freedoms of this mesh",
         ));
@@ -407,7 +407,7 @@ pub fn surface_stresses(
         || freedoms.node_count() != nodes
         || wanted.len() != nodes
     {
-        return Err(wrong(
+        return Err(FlexibleError::structure(
             "the displacements are those of another mesh".into(),
             "take displacements of the freedoms of this mesh",
         ));

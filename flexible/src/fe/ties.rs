@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::averaging::{self, Follower};
-use super::check::{list, wrong};
+use super::check::list;
 use super::freedoms::{FreedomMap, direction};
 use super::residual;
 use super::vector::{cross, dot, subtract};
@@ -78,7 +78,7 @@ impl Constraints {
             let tie = tie.id();
             for (freedom, sum) in followers {
                 if let Some(other) = rules.get(&freedom) {
-                    return Err(wrong(
+                    return Err(FlexibleError::structure(
                         format!(
                             "{} depends on two ties, {} and {tie}",
                             name(mesh, freedoms, freedom),
@@ -130,7 +130,7 @@ fn rigid(
     let mut followers = Vec::new();
     for &(node, mask) in dependent {
         if node == independent {
-            return Err(wrong(
+            return Err(FlexibleError::structure(
                 format!(
                     "rigid tie {id}: node {} depends on itself",
                     mesh.nodes[node as usize].id
@@ -172,7 +172,7 @@ fn equation(
     terms: &[(u32, u8, f64)],
 ) -> Result<(u32, Vec<(u32, f64)>), FlexibleError> {
     let none = || {
-        wrong(
+        FlexibleError::structure(
             format!("the first coefficient of equation {id} is zero or missing"),
             "give a coefficient other than zero first: its freedom depends on the others",
         )
@@ -252,7 +252,7 @@ fn resolve(rules: BTreeMap<u32, Rule>) -> Result<BTreeMap<u32, Sum>, FlexibleErr
         .filter_map(|freedom| rules.get(freedom))
         .map(|rule| rule.tie)
         .collect();
-    Err(wrong(
+    Err(FlexibleError::structure(
         format!(
             "ties depend on each other in a circle: {}",
             list(ties.iter().map(u64::to_string))

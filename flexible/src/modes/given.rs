@@ -28,13 +28,6 @@ pub struct Fitted {
     pub noise: f64,
 }
 
-fn refuse(problem: String, advice: &str) -> FlexibleError {
-    FlexibleError::Structure {
-        problem,
-        advice: advice.into(),
-    }
-}
-
 /// The free freedoms x for which the full ones T x come nearest to the given shapes u, by least squares over
 /// the freedoms that the file gives. So a node that ties join to others follows them, and the nodes of a
 /// rigid tie give the motion of its centre. Rotations are taken as given only where the file has any.
@@ -101,7 +94,7 @@ pub fn fit(
         .zip(&misfits)
         .find(|(_, misfit)| **misfit > FOREIGN);
     if let Some((mode, misfit)) = worst {
-        return Err(refuse(
+        return Err(FlexibleError::structure(
             format!(
                 "{file}: ties and supports of the body remove {:.0} % of mode {}",
                 100.0 * misfit,
@@ -127,7 +120,7 @@ fn given_rows(mesh: &Mesh, given: &GivenModes) -> Result<Vec<GivenRow>, Flexible
     let nodes = given.modes.nodes.iter();
     let mut unknown = nodes.clone().filter(|node| !index.contains_key(node));
     if let Some(first) = unknown.next() {
-        return Err(refuse(
+        return Err(FlexibleError::structure(
             format!(
                 "{} gives shapes at {} nodes that are not in the mesh: {first}, …",
                 given.modes.file,
@@ -163,7 +156,7 @@ fn full_shapes(
     let mut full = vec![0.0; size * modes.len()];
     for (mode, full) in modes.iter().zip(full.chunks_exact_mut(size.max(1))) {
         if mode.shape.len() != rows.len() || mode.shape.iter().flatten().any(|x| !x.is_finite()) {
-            return Err(refuse(
+            return Err(FlexibleError::structure(
                 format!(
                     "{}: mode {} has values missing or not finite",
                     given.modes.file, mode.number
@@ -240,7 +233,7 @@ fn undetermined(file: &str, reduction: &Reduction, open: &[usize]) -> FlexibleEr
         .take(NAMED)
         .filter_map(|free| reduction.name(*free))
         .collect();
-    refuse(
+    FlexibleError::structure(
         format!(
             "{file}: the shapes have no values for {} freedoms of the body: {}{}",
             open.len(),

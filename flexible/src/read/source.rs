@@ -197,8 +197,12 @@ fn cut(at: &At, error: &std::io::Error) -> FileProblem {
     )
 }
 
-/// A place without line, for a problem of the deck as a whole.
-pub(super) fn whole(name: &str, problem: &str, advice: &str) -> FileProblem {
+/// A problem of a file as a whole, at no line.
+pub(super) fn whole(
+    name: &str,
+    problem: impl Into<String>,
+    advice: impl Into<String>,
+) -> FileProblem {
     FileProblem {
         file: name.into(),
         place: Place::File,

@@ -35,13 +35,7 @@ impl Face {
     pub fn new(ring: &[(u32, Option<u32>)]) -> Option<Self> {
         let corners = ring.iter().map(|(corner, _)| *corner);
         let middles: Option<Vec<u32>> = ring.iter().map(|(_, middle)| *middle).collect();
-        let kind = match (ring.len(), middles.is_some()) {
-            (3, false) => ElementKind::Triangle3,
-            (3, true) => ElementKind::Triangle6,
-            (4, false) => ElementKind::Quadrilateral4,
-            (4, true) => ElementKind::Quadrilateral8,
-            _ => return None,
-        };
+        let kind = ElementKind::of_face(ring.len(), middles.is_some())?;
         Some(Face {
             kind,
             nodes: corners.chain(middles.into_iter().flatten()).collect(),

@@ -26,16 +26,16 @@ pub(super) struct Candidates<'a> {
 /// Modes in the order of the terms, and the requested loads.
 pub(super) struct Found {
     pub candidates: Vec<Candidate>,
-    pub asked: Asked,
+    pub asked: RequestedLoads,
     pub surfaces: Vec<Answered>,
 }
 
 /// Requested loads, each with twice its static strain energy (J).
-pub(super) struct Asked {
+pub(super) struct RequestedLoads {
     loads: Vec<(MarkerFreedom, Load, f64)>,
 }
 
-impl Asked {
+impl RequestedLoads {
     /// The loads whose static answer the set does not span. With orthonormal modes the set has Σ (φᵀf)² / ω²
     /// of the energy fᵀu.
     pub fn unserved(&self, structure: &Structure, set: &ModeSet) -> Vec<Unserved> {
@@ -166,7 +166,7 @@ impl Candidates<'_> {
         }
         Ok(Found {
             candidates,
-            asked: Asked { loads: asked },
+            asked: RequestedLoads { loads: asked },
             surfaces,
         })
     }

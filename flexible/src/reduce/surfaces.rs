@@ -86,11 +86,7 @@ pub(super) struct Prepared {
 }
 
 fn refuse(marker: usize, problem: String, advice: &str) -> FlexibleError {
-    FlexibleError::Structure {
-        problem,
-        advice: advice.into(),
-    }
-    .of(Part::Marker(marker))
+    FlexibleError::structure(problem, advice).of(Part::Marker(marker))
 }
 
 impl Bore {
@@ -468,13 +464,7 @@ fn face_nodes(mesh: &Mesh, element: u32, face: usize) -> Option<(ElementKind, Ve
         .collect();
     let mut nodes: Vec<u32> = ring.iter().map(|(corner, _)| *corner).collect();
     let curved = middles.iter().any(|node| *node != ABSENT);
-    let kind = match (nodes.len(), curved) {
-        (3, false) => ElementKind::Triangle3,
-        (3, true) => ElementKind::Triangle6,
-        (4, false) => ElementKind::Quadrilateral4,
-        (4, true) => ElementKind::Quadrilateral8,
-        _ => return None,
-    };
+    let kind = ElementKind::of_face(nodes.len(), curved)?;
     if curved {
         nodes.extend(middles);
     }

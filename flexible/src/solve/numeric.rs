@@ -464,7 +464,40 @@ fn multiplied(
     }
 }
 
-/// `R B⁻¹` of rows of a panel, in their place. The pairs are scaled by their coupling, which is their largest entry.
+/// A pair of pivots: a block of two rows and columns on the diagonal.
+pub(super) struct Pair {
+    /// The entries on the diagonal, as shares of the coupling, which is the largest entry of the block.
+    one: f64,
+    two: f64,
+    coupling: f64,
+    /// Of the block divided by its coupling.
+    determinant: f64,
+}
+
+impl Pair {
+    /// The pair whose first pivot is at a column of a panel.
+    pub(super) fn at(panel: MatRef<'_, f64>, column: usize, coupling: f64) -> Pair {
+        let one = panel[(column, column)] / coupling;
+        let two = panel[(column + 1, column + 1)] / coupling;
+        Pair {
+            one,
+            two,
+            coupling,
+            determinant: one * two - 1.0,
+        }
+    }
+
+    /// The inverse of the block times two numbers.
+    pub(super) fn divide(&self, numbers: [f64; 2]) -> [f64; 2] {
+        let [x, y] = numbers.map(|x| x / self.coupling);
+        [
+            (self.two * x - y) / self.determinant,
+            (self.one * y - x) / self.determinant,
+        ]
+    }
+}
+
+/// `R B⁻¹` of rows of a panel, in their place.
 fn divide(panel: MatRef<'_, f64>, below: &[f64], mut rows: MatMut<'_, f64>) {
     let mut column = 0;
     while let Some(&coupling) = below.get(column) {
@@ -475,18 +508,11 @@ fn divide(panel: MatRef<'_, f64>, below: &[f64], mut rows: MatMut<'_, f64>) {
             }
             column += 1;
         } else {
-            let (one, two) = (
-                panel[(column, column)] / coupling,
-                panel[(column + 1, column + 1)] / coupling,
-            );
-            let determinant = one * two - 1.0;
+            let pair = Pair::at(panel, column, coupling);
             for row in 0..rows.nrows() {
-                let (x, y) = (
-                    rows[(row, column)] / coupling,
-                    rows[(row, column + 1)] / coupling,
-                );
-                rows[(row, column)] = (two * x - y) / determinant;
-                rows[(row, column + 1)] = (one * y - x) / determinant;
+                let [x, y] = pair.divide([rows[(row, column)], rows[(row, column + 1)]]);
+                rows[(row, column)] = x;
+                rows[(row, column + 1)] = y;
             }
             column += 2;
         }

@@ -3,7 +3,7 @@
 //! Right-hand sides are rows of a matrix here, in the order of elimination. A branch collects what it subtracts from
 //! rows above it. These sums are subtracted in the order of the branches, so the bits do not depend on the threads.
 
-use super::numeric::{Pairs, each};
+use super::numeric::{Pair, Pairs, each};
 use super::panels::Panels;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
@@ -298,16 +298,10 @@ impl Substitution<'_> {
                 rest[..self.count].iter_mut().for_each(|x| *x /= pivot);
                 row += 1;
             } else {
-                let (one, two) = (
-                    top[(row, row)] / coupling,
-                    top[(row + 1, row + 1)] / coupling,
-                );
-                let determinant = one * two - 1.0;
+                let pair = Pair::at(top, row, coupling);
                 let (x, y) = rest.split_at_mut(self.count);
                 for (x, y) in x.iter_mut().zip(y) {
-                    let (first, second) = (*x / coupling, *y / coupling);
-                    *x = (two * first - second) / determinant;
-                    *y = (one * second - first) / determinant;
+                    [*x, *y] = pair.divide([*x, *y]);
                 }
                 row += 2;
             }

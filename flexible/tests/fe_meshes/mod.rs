@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use eng_flexible::fe::stress::{Components, ElementRecovery, nodal_stresses, stress};
-use eng_flexible::fe::{FreedomMap, Reduction, Rules, Structure};
+use eng_flexible::fe::{Assembled, FreedomMap, Reduction, Rules};
 use eng_flexible::mesh::{
     BeamAxes, Element, ElementKind, Material, Mesh, Node, Property, Section, Support, Variant,
 };
@@ -224,7 +224,7 @@ pub fn held(nodes: &[u32], components: u8) -> Vec<Support> {
 /// A full vector with this displacement at each node (rotations zero).
 pub fn field(
     mesh: &Mesh,
-    structure: &Structure,
+    structure: &Assembled,
     displacement: impl Fn([f64; 3]) -> [f64; 3],
 ) -> Vec<f64> {
     let mut full = vec![0.0; structure.freedoms.size()];
@@ -252,7 +252,7 @@ pub fn largest(x: &[f64]) -> f64 {
 }
 
 /// Full displacements under full forces.
-pub fn solve(structure: &Structure, reduction: &Reduction, forces: &[f64]) -> Vec<f64> {
+pub fn solve(structure: &Assembled, reduction: &Reduction, forces: &[f64]) -> Vec<f64> {
     let stiffness = reduction.reduce_stiffness(&structure.stiffness).unwrap();
     let mut x = reduction.gather(1, forces);
     factor(&stiffness).solve_in_place(&mut x).unwrap();

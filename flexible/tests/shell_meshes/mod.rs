@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::fe_meshes::*;
 use eng_flexible::Mesh;
 use eng_flexible::element::{Shape, quadrature};
-use eng_flexible::fe::{Reduction, Rules, Structure, assemble};
+use eng_flexible::fe::{Assembled, Reduction, Rules, assemble};
 use eng_flexible::mesh::{
     Code, ElementKind, Property, Section, ShellSection, ShellShape, Support, Variant,
 };
@@ -159,7 +159,7 @@ pub fn pushed(
     mesh: &Mesh,
     supports: &[Support],
     forces: &[(u32, u8, f64)],
-) -> (Structure, Vec<f64>) {
+) -> (Assembled, Vec<f64>) {
     let structure = assemble(mesh, &Rules::default()).unwrap();
     let reduction = Reduction::new(mesh, &structure, supports).unwrap();
     let mut full = vec![0.0; structure.freedoms.size()];
@@ -306,7 +306,7 @@ pub fn patch(form: Form, section: ShellSection) -> Mesh {
 /// they are in balance.
 pub fn motion(
     mesh: &Mesh,
-    structure: &Structure,
+    structure: &Assembled,
     of: impl Fn([f64; 2]) -> ([f64; 3], [f64; 3]),
 ) -> Vec<f64> {
     let axes = turn();

@@ -12,6 +12,7 @@ use super::{Builder, MAX_NESTING};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::grammar::{EngGrammar, Rule};
+use crate::nearest::nearest_within;
 use crate::span::Span;
 use crate::tokens::{Token, TokenKind};
 use expected::Failure;
@@ -447,24 +448,11 @@ fn first_word(builder: &Builder<'_, '_>, tokens: &[Token]) -> Option<Diagnostic>
         .then(|| unknown_kind(word, span, builder.place_of_items))
 }
 
-/// The item word that the user probably meant by `word`.
+/// The item word that the user probably meant by `word`. Fewer letters may differ than in a name, because the words
+/// are short, and the parser takes a text with such a word as an item.
 fn nearest(word: &str) -> Option<&'static str> {
-    let lower = word.to_ascii_lowercase();
-    let allowed = |known: &str| (known.len().min(word.len()) / 3).max(1);
-    KINDS
-        .iter()
-        .map(|(kind, _)| *kind)
-        .chain(ITEM_WORDS)
-        // words of very different lengths are never similar
-        .filter(|known| known.len().abs_diff(word.len()) <= allowed(known))
-        .map(|known| (strsim::osa_distance(&lower, known), known))
-        .filter(|(distance, known)| *distance <= allowed(known))
-        // Among equals, the one that shares the longer beginning.
-        .min_by(|(a, first), (b, second)| {
-            let likeness = |known: &str| strsim::jaro_winkler(&lower, known);
-            a.cmp(b).then(likeness(second).total_cmp(&likeness(first)))
-        })
-        .map(|(_, known)| known)
+    let known = KINDS.iter().map(|(kind, _)| *kind).chain(ITEM_WORDS);
+    nearest_within(&word.to_ascii_lowercase(), known, (word.len() / 3).max(1))
 }
 
 /// The item word behind another language's word or a slip.

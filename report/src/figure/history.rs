@@ -315,10 +315,15 @@ fn draw_curves(
             .map(|v| vertical.scale.even(*v))
             .collect();
         for run in decimate::runs(&panel.x, &even, horizontal.ticks.range, area.width as usize) {
-            let points: Vec<(f64, f64)> = run
+            let mut points: Vec<(f64, f64)> = run
                 .into_iter()
                 .map(|(x, y)| (area.x(x, &horizontal.ticks), area.y(y, &vertical.ticks)))
                 .collect();
+            // a crank angle can decrease, and the readout of the page searches from left to right
+            let ends = points.first().zip(points.last());
+            if ends.is_some_and(|(first, last)| last.0 < first.0) {
+                points.reverse();
+            }
             let tag = CurveTag {
                 name: &curve.name,
                 ..CurveTag::default()
@@ -427,6 +432,18 @@ mod tests {
         let svg = figure.to_svg();
         assert_eq!(svg.matches(">TDC 1<").count(), 3, "0, 720 and 1440");
         assert_eq!(svg.matches(">TDC 3<").count(), 2, "180 and 900");
+    }
+
+    #[test]
+    fn a_shaft_that_turns_backwards_has_the_same_curve() {
+        let mut figure = small();
+        figure.panels[0].curves.truncate(1);
+        let forwards = figure.to_svg();
+        figure.panels[0].x.reverse();
+        for curve in &mut figure.panels[0].curves {
+            curve.values.reverse();
+        }
+        assert_eq!(figure.to_svg(), forwards);
     }
 
     #[test]

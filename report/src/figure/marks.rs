@@ -7,59 +7,53 @@ use super::svg::{Anchor, Stroke, Svg, TextStyle, coordinate};
 
 const SMALL: f64 = 13.0;
 
-/// Index of the first sample of the last cycle; 0 if all samples are one cycle or have no angle.
-pub(super) fn last_cycle(cell: &Cell<'_>, period: f64) -> usize {
-    match cell.angle.last() {
-        Some(end) => cell
-            .angle
-            .iter()
-            // 1e-6 (°) is more than the rounding of an angle, here and below
-            .position(|angle| *angle >= end - period - 1e-6)
-            .unwrap_or(0),
-        None => 0,
-    }
-}
+/// More than the rounding of an angle (°). A choice: samples are much farther apart.
+const SLACK: f64 = 1e-6;
 
-/// Multiples of 90° between `start` and the end: angle within the cycle (°) and place, linear between
-/// samples.
-pub(super) fn marks(cell: &Cell<'_>, start: usize, period: f64) -> Vec<(i64, f64, f64)> {
+/// Multiples of 90° in the last cycle: angle within the cycle (°) and place, linear between samples.
+pub(super) fn marks(cell: &Cell<'_>, period: f64) -> Vec<(i64, f64, f64)> {
     let mut found: Vec<(i64, f64, f64)> = Vec::new();
     let samples = cell.angle.len().min(cell.x.len()).min(cell.y.len());
-    let quarter = |angle: f64| ((angle + 1e-6) / 90.0).floor();
+    let start = cell.last_cycle;
+    let (Some(first), Some(end)) = (cell.angle.get(start), cell.angle.last()) else {
+        return found;
+    };
+    // a shaft can turn either way: from here on, angles are counted along its way
+    let sense = if end < first { -1.0 } else { 1.0 };
+    let along = |index: usize| sense * cell.angle[index];
+    let quarter = |angle: f64| ((angle + SLACK) / 90.0).floor();
     // a hundred revolutions are no cycle
     let period = if period > 0.0 && period <= 36_000.0 {
         period
     } else {
         360.0
     };
-    let last = match cell.angle.get(start) {
-        Some(first) => first + period - 1e-6,
-        None => return found,
-    };
+    let last = sense * first + period - SLACK;
     for index in start..samples {
-        let here = cell.angle[index];
+        let here = along(index);
         // the first sample has a mark only if it is at a multiple of 90°
         let before = if index > start { index - 1 } else { index };
-        let width = here - cell.angle[before];
-        // there are no marks if the angle decreases, jumps, is no number or is so large that rounding hides
-        // 90°
+        let width = here - along(before);
+        // there are no marks if the shaft turns back, or if the angle jumps, is no number or is so large that
+        // rounding hides 90°
         if !(0.0..=period).contains(&width) || here.abs() >= 1e9 {
             continue;
         }
         let mut mark = if index > start {
-            90.0 * (quarter(cell.angle[before]) + 1.0)
+            90.0 * (quarter(along(before)) + 1.0)
         } else {
-            90.0 * ((here - 1e-6) / 90.0).ceil()
+            90.0 * ((here - SLACK) / 90.0).ceil()
         };
-        while mark <= here + 1e-6 && mark < last {
+        while mark <= here + SLACK && mark < last {
             let share = if width > 0.0 {
-                ((mark - cell.angle[before]) / width).clamp(0.0, 1.0)
+                ((mark - along(before)) / width).clamp(0.0, 1.0)
             } else {
                 1.0
             };
             let between = |v: &[f64]| v[before] + share * (v[index] - v[before]);
             let (x, y) = (between(&cell.x), between(&cell.y));
-            let angle = mark - period * ((mark + 1e-6) / period).floor();
+            let angle = sense * mark;
+            let angle = angle - period * ((angle + SLACK) / period).floor();
             if x.is_finite() && y.is_finite() {
                 found.push((angle.round() as i64, x, y));
             }

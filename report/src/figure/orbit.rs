@@ -21,8 +21,10 @@ pub struct Orbit {
     pub x: Vec<f64>,
     /// Displacement of the pin along the shell's y axis (m).
     pub y: Vec<f64>,
-    /// Crank angle of each sample (°), increasing; empty if there is none.
+    /// Crank angle of each sample (°); empty if there is none.
     pub angle: Vec<f64>,
+    /// Index of the first sample of the last cycle; 0 if all samples are one cycle or have no angle.
+    pub last_cycle: usize,
 }
 
 /// A figure of orbits.
@@ -92,6 +94,7 @@ impl Orbit {
             x: micrometres(&self.x),
             y: micrometres(&self.y),
             angle: &self.angle,
+            last_cycle: self.last_cycle,
             reach: clearance / FILL,
             circles: vec![
                 (clearance / 2.0, half_stroke()),
@@ -103,7 +106,7 @@ impl Orbit {
 
 #[cfg(test)]
 mod tests {
-    use super::super::marks::{last_cycle, marks};
+    use super::super::marks::marks;
     use super::*;
 
     fn small(samples: u32, upright: Upright) -> Orbits {
@@ -122,6 +125,8 @@ mod tests {
                 clearance: 27e-6,
                 x: angle.iter().map(|a| 20e-6 * libm::cos(at(a))).collect(),
                 y: angle.iter().map(|a| 10e-6 * libm::sin(at(a))).collect(),
+                // the samples are evenly spaced over two cycles
+                last_cycle: (samples as usize).div_ceil(2),
                 angle,
             }],
         }
@@ -137,9 +142,8 @@ mod tests {
         let figure = small(7, Upright::Y);
         let orbit = &figure.orbits[0];
         let cell = orbit.cell();
-        let start = last_cycle(&cell, 360.0);
-        assert_eq!(start, 4, "720·4/7 is the first angle after 360");
-        let found = marks(&cell, start, 360.0);
+        assert_eq!(cell.last_cycle, 4, "720·4/7 is the first angle after 360");
+        let found = marks(&cell, 360.0);
         let angles: Vec<i64> = found.iter().map(|m| m.0).collect();
         assert_eq!(angles, [90, 180, 270, 0]);
         assert!((found[3].1 - cell.x[7]).abs() < 1e-9 && (found[3].2 - cell.y[7]).abs() < 1e-9);
@@ -149,11 +153,27 @@ mod tests {
     fn a_whole_cycle_has_each_mark_once() {
         let figure = small(72, Upright::Y);
         let cell = figure.orbits[0].cell();
-        let angles: Vec<i64> = marks(&cell, last_cycle(&cell, 360.0), 360.0)
-            .iter()
-            .map(|m| m.0)
-            .collect();
+        let angles: Vec<i64> = marks(&cell, 360.0).iter().map(|m| m.0).collect();
         assert_eq!(angles, [0, 90, 180, 270]);
+    }
+
+    #[test]
+    fn marks_of_a_shaft_that_turns_backwards_have_the_same_places() {
+        let forwards = small(72, Upright::Y);
+        let mut backwards = forwards.clone();
+        let orbit = &mut backwards.orbits[0];
+        for angle in &mut orbit.angle {
+            *angle = -*angle;
+        }
+        let of = |figure: &Orbits| marks(&figure.orbits[0].cell(), 360.0);
+        let (due, found) = (of(&forwards), of(&backwards));
+        let angles: Vec<i64> = found.iter().map(|m| m.0).collect();
+        assert_eq!(angles, [0, 270, 180, 90]);
+        for (a, b) in due.iter().zip(&found) {
+            assert!((a.1 - b.1).abs() < 1e-9 && (a.2 - b.2).abs() < 1e-9);
+        }
+        // both pictures show the part before the last cycle
+        assert!(backwards.to_svg().contains(">earlier<"));
     }
 
     #[test]

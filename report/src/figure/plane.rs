@@ -1,7 +1,7 @@
 //! Paths in a plane, each in a square with equal axes. Orbits and polar diagrams share this code.
 
 use super::key::{self, KeyKind};
-use super::marks::{draw_marks, last_cycle, marks};
+use super::marks::{draw_marks, marks};
 use super::palette::Color;
 use super::svg::{Anchor, CurveTag, Stroke, Svg, Target, TextStyle, coordinate};
 use super::{decimate, ticks};
@@ -49,8 +49,10 @@ pub(super) struct Cell<'a> {
     pub x: Vec<f64>,
     /// Coordinates in the sheet's unit.
     pub y: Vec<f64>,
-    /// Crank angle of each sample (°), increasing; empty if there is none.
+    /// Crank angle of each sample (°); empty if there is none.
     pub angle: &'a [f64],
+    /// Index of the first sample of the last cycle; 0 if all samples are one cycle or have no angle.
+    pub last_cycle: usize,
     /// Distance from the middle to a side, in the sheet's unit.
     pub reach: f64,
     /// Circles about the origin.
@@ -112,7 +114,7 @@ impl Sheet<'_> {
     /// The entries of the key.
     fn kinds(&self) -> Vec<(KeyKind, String)> {
         let mut kinds = self.key.clone();
-        if self.cells.iter().any(|o| last_cycle(o, self.period) > 0) {
+        if self.cells.iter().any(|o| o.last_cycle > 0) {
             kinds.push((KeyKind::Last, "last cycle".to_owned()));
             kinds.push((KeyKind::Earlier, "earlier".to_owned()));
         } else {
@@ -188,7 +190,7 @@ impl Sheet<'_> {
         for (radius, stroke) in &cell.circles {
             svg.circle(view.center, view.scale * radius, None, *stroke);
         }
-        let start = last_cycle(cell, self.period);
+        let start = cell.last_cycle;
         draw_path(
             svg,
             cell,
@@ -204,7 +206,7 @@ impl Sheet<'_> {
             Stroke::solid(Color::Series(0), 2.2),
         );
         svg.end_clip();
-        let rings: Vec<(i64, (f64, f64))> = marks(cell, start, self.period)
+        let rings: Vec<(i64, (f64, f64))> = marks(cell, self.period)
             .into_iter()
             .map(|(angle, x, y)| (angle, view.point(x, y)))
             .collect();

@@ -27,8 +27,10 @@ pub struct PolarCurve {
     pub x: Vec<f64>,
     /// Components along y, in the diagram's unit.
     pub y: Vec<f64>,
-    /// Crank angle of each sample (°), increasing; empty if there is none.
+    /// Crank angle of each sample (°); empty if there is none.
     pub angle: Vec<f64>,
+    /// Index of the first sample of the last cycle; 0 if all samples are one cycle or have no angle.
+    pub last_cycle: usize,
 }
 
 /// A figure of polar diagrams. All have one scale, so they can be compared.
@@ -75,6 +77,7 @@ impl PolarCurve {
             x,
             y,
             angle: self.angle.clone(),
+            last_cycle: self.last_cycle,
         }
     }
 
@@ -141,6 +144,7 @@ impl Polar {
                     x: curve.x.clone(),
                     y: curve.y.clone(),
                     angle: &curve.angle,
+                    last_cycle: curve.last_cycle,
                     reach,
                     circles: rings
                         .values
@@ -175,6 +179,7 @@ mod tests {
                 .map(|a| 3.0 * libm::sin(a.to_radians()))
                 .collect(),
             angle: angle.clone(),
+            last_cycle: 0,
         };
         let turned = curve.turned(&angle, "crank.main[1]");
         assert!(

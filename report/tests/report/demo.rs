@@ -142,6 +142,7 @@ pub fn orbits() -> Orbits {
                 x,
                 y,
                 angle: angles(),
+                last_cycle: 0,
             })
             .collect(),
     }
@@ -159,6 +160,7 @@ pub fn polar(fixed_to: FixedTo) -> Polar {
                 x,
                 y,
                 angle: angles(),
+                last_cycle: 0,
             };
             match fixed_to {
                 FixedTo::Housing => curve,

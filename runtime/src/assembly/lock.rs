@@ -28,10 +28,7 @@ pub fn near(
     state: &State,
     moment: Moment,
 ) -> Result<Option<RuntimeError>, RuntimeError> {
-    let elements: Vec<usize> = (0..model.elements.len())
-        .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
-        .collect();
-    let rows = Rows::new(model, elements);
+    let rows = Rows::new(model, model.constraining().collect());
     let (mut values, mut matrix) = rows.evaluate(model, &at(state), Along::Pose)?;
     rows.scale(model, &mut values, &mut matrix);
     for i in 0..matrix.nrows() {

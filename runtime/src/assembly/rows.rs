@@ -5,7 +5,7 @@ use super::independent;
 use crate::chain::{self, MarkerKinematics};
 use crate::elements;
 use crate::error::RuntimeError;
-use crate::model::Model;
+use crate::model::{Model, TOLERANCE_OF_LENGTH};
 use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
 use eng_system::dense::add_scaled;
@@ -58,10 +58,6 @@ pub enum Relation {
 /// All rows that preferences have: the pin's position along the shell's x and y (m), the pin's axis along both,
 /// and the pin's height above that of the preference (m).
 const ROWS_OF_PIN: usize = 5;
-
-/// Share of the model's length up to which a preference of a class that resolves no length counts as fulfilled. It
-/// is the largest tolerance of positions.
-const REACHED: f64 = 1e-6;
 
 /// A list of rows: all rows of each element in order, then the rows of preferences.
 #[derive(Clone, Debug)]
@@ -407,7 +403,9 @@ pub fn preferences(model: &Model) -> Vec<Preference> {
         let markers = &model.elements[e].markers;
         let follows = |m: usize| model.markers[m].placed_at.is_some();
         let stated = element.resolves.iter().map(|slot| model.slot(*slot));
-        let reach = stated.reduce(f64::min).unwrap_or(REACHED * model.length);
+        let reach = stated
+            .reduce(f64::min)
+            .unwrap_or(TOLERANCE_OF_LENGTH * model.length);
         for place in &element.places {
             let [Some(pin), Some(shell)] =
                 [place.moving, place.on].map(|m| markers.get(m as usize).copied())

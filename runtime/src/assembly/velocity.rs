@@ -17,16 +17,19 @@ use nalgebra::{DMatrix, DVector};
 /// rounding of a solution through nearly dependent rows and the digits in which a text may differ on purpose.
 const CONTRADICTION: f64 = 1e-8;
 
-/// Time after the start at which a constraint is on the side to which the motion goes, as a share of the time
-/// in which the motion covers the model's length or a radian; the share of it for a second look, and the
-/// least part of a rate that remains there if it jumps. The time is a choice: far above the rounding of
-/// positions, 1e-16, and so short that nothing else changes.
-const BEHIND: f64 = 1e-12;
-const NEARER: f64 = 0.25;
-const REMAINS: f64 = 0.5;
-/// Rate of a constraint after the start that is a jump, as a share of the model's speed. A choice: at a
-/// distance of [`BEHIND`] a rate without a jump has changed by about 1e-12.
-const JUMP: f64 = 1e-6;
+/// Time after the start, or after a kink at the start, at which constraints and loads are on the side to which the
+/// motion goes: a share of the time in which the motion covers the model's length or a radian. A choice: far above the
+/// rounding of positions, 1e-16, and so short that nothing else changes.
+pub(crate) const BEHIND: f64 = 1e-12;
+/// The second distance from a kink as a share of the first one. A choice.
+pub(crate) const NEARER: f64 = 0.25;
+/// The least part of a difference that remains at the second distance if it is a jump. A choice: a difference without a
+/// jump falls with the distance, to a quarter, and that of a root to a half.
+pub(crate) const REMAINS: f64 = 0.5;
+/// Rate of a constraint after the start that is a jump, as a share of the model's speed; the same of an acceleration or
+/// the rate of a state, as a share of the largest one. A choice: without a jump they change by about 1e-12 over the time
+/// [`BEHIND`].
+pub(crate) const JUMP: f64 = 1e-6;
 /// Most searches of the side to which the motion goes. A choice: each side may change the velocities and with
 /// them the side of another constraint, but not for long.
 const SIDES: usize = 4;

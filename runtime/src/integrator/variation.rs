@@ -20,7 +20,7 @@ use crate::error::RuntimeError;
 use crate::linear::{Block, BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::rotation::{V3, exponential, logarithm, matrix, product, tangent};
-use crate::state::{State, move_pose};
+use crate::state::{State, move_pose, offset_into};
 use eng_system::dense::add_scaled;
 use eng_system::significant::short;
 
@@ -78,7 +78,7 @@ impl Variation {
     ) {
         let (to, at) = (&of.current, &from.current);
         let mut move_between = vec![0.0; model.velocities];
-        increment_between(model, &at.pose, &to.pose, &mut move_between);
+        offset_into(model, &at.pose, &to.pose, &mut move_between);
         let differences = [
             (&mut self.velocity, &to.velocity, &at.velocity),
             (&mut self.acceleration, &to.acceleration, &at.acceleration),
@@ -115,25 +115,6 @@ impl Variation {
         ];
         for (numbers, change) in changes {
             add_scaled(numbers, factor, change);
-        }
-    }
-}
-
-/// The increment from one pose to another: see [`move_pose`].
-fn increment_between(model: &Model, from: &[f64], to: &[f64], out: &mut [f64]) {
-    for body in &model.bodies {
-        let (p, v) = (body.pose, body.velocity);
-        for i in 0..3 {
-            out[v + i] = to[p + i] - from[p + i];
-        }
-        let back = [from[p + 3], -from[p + 4], -from[p + 5], -from[p + 6]];
-        let turn = logarithm(&product(
-            &back,
-            &[to[p + 3], to[p + 4], to[p + 5], to[p + 6]],
-        ));
-        out[v + 3..v + 6].copy_from_slice(turn.as_slice());
-        for i in 0..body.modes() {
-            out[v + 6 + i] = to[p + 7 + i] - from[p + 7 + i];
         }
     }
 }

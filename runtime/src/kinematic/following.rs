@@ -40,13 +40,13 @@ impl Mechanism {
             States::Constant => TURN,
             States::Followed | States::Traced(_) => TURN_WITH_STATES,
         };
-        let pace = self.fastest(state).max(f64::MIN_POSITIVE);
+        let motion_rate = state.fastest_turn(&self.model).max(f64::MIN_POSITIVE);
         let shortest =
-            (time - state.time).abs().min(turn / pace) * libm::exp2(-f64::from(HALVINGS));
+            (time - state.time).abs().min(turn / motion_rate) * libm::exp2(-f64::from(HALVINGS));
         while state.time != time {
             let left = time - state.time;
-            let pace = self.fastest(state);
-            let longest = turn / pace.max(f64::MIN_POSITIVE);
+            let motion_rate = state.fastest_turn(&self.model);
+            let longest = turn / motion_rate.max(f64::MIN_POSITIVE);
             let halves = left.clamp(-longest, longest) * libm::exp2(-f64::from(halved));
             let whole = halves.abs().max(shortest).min(left.abs()).copysign(left);
             let mut next = state.clone();
@@ -105,16 +105,16 @@ impl Mechanism {
         }
         self.unwrap(next)?;
         self.complete(next)?;
-        let pace = largest_scaled(&from.velocity, &self.scales)
+        let motion_rate = largest_scaled(&from.velocity, &self.scales)
             .max(largest_scaled(&next.velocity, &self.scales));
-        self.quickest = self.quickest.max(pace);
+        self.quickest = self.quickest.max(motion_rate);
         let jump: Vec<f64> = (0..next.velocity.len())
             .map(|i| {
                 let mean = 0.5 * (from.acceleration[i] + next.acceleration[i]);
                 next.velocity[i] - from.velocity[i] - mean * h
             })
             .collect();
-        let mut allowed = SMOOTH * pace;
+        let mut allowed = SMOOTH * motion_rate;
         if !matches!(self.states, States::Constant) && !last {
             // the polynomials differ by h/32 of the jump
             allowed = allowed.min(32.0 * INTERPOLATES / h.abs());

@@ -169,10 +169,7 @@ impl Mechanism {
         for pin in &pins {
             model.elements[pin.element].dynamic = false;
         }
-        let elements: Vec<usize> = (0..model.elements.len())
-            .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
-            .collect();
-        let constraints = Rows::new(&model, elements);
+        let constraints = Rows::new(&model, model.constraining().collect());
         let cycle = match &model.compiled.system.cycle {
             Some(cycle) => Some(Cycle::new(&model, cycle.element as usize)?),
             None => None,
@@ -273,17 +270,6 @@ impl Mechanism {
     pub fn period(&self) -> Option<f64> {
         let cycle = self.model.compiled.system.cycle.as_ref()?;
         Some(self.model.slot(cycle.period))
-    }
-
-    /// The highest angular speed of a body (rad/s).
-    pub fn fastest(&self, state: &State) -> f64 {
-        let bodies = self.model.bodies.iter();
-        bodies
-            .map(|body| {
-                let turning = &state.velocity[body.velocity + 3..body.velocity + 6];
-                libm::sqrt(turning.iter().map(|x| x * x).sum::<f64>())
-            })
-            .fold(0.0, f64::max)
     }
 
     /// Angle of the cycle (rad) and its rate (rad/s) at a state.
@@ -570,12 +556,12 @@ impl Mechanism {
         self.dynamics.constraint_gradients(&self.model)?;
         self.dynamics.velocity_level(&self.model, &state.velocity)?;
         let gamma = self.dynamics.constraint_accelerations().to_vec();
-        let pace = largest_scaled(&state.velocity, &self.scales);
+        let motion_rate = largest_scaled(&state.velocity, &self.scales);
         let turned = self.turned.is_some();
         let films = 4 * self.pins.len();
         let mut slopes = vec![0.0; films + 1];
-        if pace > 0.0 && (films > 0 || turned) {
-            let h = APART / pace;
+        if motion_rate > 0.0 && (films > 0 || turned) {
+            let h = APART / motion_rate;
             let mut near = state.clone();
             // f' = (f₋₂ − 8 f₋₁ + 8 f₁ − f₂)/12h
             for (away, weight) in [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)] {

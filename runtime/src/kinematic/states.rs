@@ -8,14 +8,12 @@
 use super::mechanism::{Mechanism, States};
 use super::piece::Piece;
 use crate::error::RuntimeError;
+use crate::integrator::STATE_SHARE;
 use crate::state::State;
 
 /// Error of a step as a share of a state's scale. A choice: the errors of thousands of steps add up to less
 /// than 1e-4 of a state.
 const ERROR: f64 = 1e-8;
-/// The same for a shortest step, in which the rate of a state may jump: the opening of a valve. A choice:
-/// that of [`crate::integrator::STATE_SHARE`].
-const JUMP_ERROR: f64 = 1e-5;
 /// A shortest step as a share of a piece of the motion. A piece turns a body by 0.05 rad at most, so such a step turns
 /// it by 1.2e-5 rad.
 const SHORTEST: f64 = 1.0 / 4096.0;
@@ -132,8 +130,9 @@ impl Mechanism {
                     most.max(error)
                 }
             });
+            // in a shortest step the rate of a state may jump, as at the opening of a valve
             let shortest = part <= SHORTEST;
-            if error > if shortest { JUMP_ERROR } else { ERROR } {
+            if error > if shortest { STATE_SHARE } else { ERROR } {
                 if shortest {
                     return Ok(false);
                 }

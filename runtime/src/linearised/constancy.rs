@@ -25,7 +25,7 @@ use super::variation::Modal;
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
 use crate::error::{Leaving, LeavingBody, Moment, RuntimeError, TurningBody, Varies};
-use crate::model::Model;
+use crate::model::{Model, TOLERANCE_OF_LENGTH};
 use crate::rotation::{V3, exponential, matrix};
 use crate::state::{State, move_pose};
 use nalgebra::{DMatrix, DVector};
@@ -54,8 +54,6 @@ pub(super) const SLIGHT: f64 = 1e-3;
 /// that are not slight in any mode. Choices: with changes as large, the effect on the modes need not be
 /// computed.
 const GROSS: [f64; 2] = [0.1, 1e-3];
-/// Position tolerance of a model without journals, as a share of its length: that of [`Model::bind`].
-const OF_LENGTH: f64 = 1e-6;
 /// A tenth of a clearance, in position tolerances.
 const OF_CLEARANCE: f64 = 100.0;
 /// See [`reach`]. A hundredth of the model's length is a choice.
@@ -114,14 +112,14 @@ impl Coefficients {
         &self,
         other: &Coefficients,
         groups: &[Range<usize>],
-        pace: f64,
+        rate_scale: f64,
         [share, floor]: [f64; 2],
     ) -> bool {
         let largest = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.amax().max(b.amax());
         let mass = largest(&self.mass, &other.mass);
         let damping = largest(&self.damping, &other.damping);
         let stiffness = largest(&self.stiffness, &other.stiffness);
-        let of_all = mass * pace + damping + stiffness / pace;
+        let of_all = mass * rate_scale + damping + stiffness / rate_scale;
         same_blocks(&self.mass, &other.mass, groups, share, floor * mass)
             && same_blocks(&self.moves, &other.moves, groups, share, floor)
             && same_blocks(&self.damping, &other.damping, groups, share, floor * of_all)
@@ -130,7 +128,7 @@ impl Coefficients {
                 &other.stiffness,
                 groups,
                 share,
-                floor * of_all * pace,
+                floor * of_all * rate_scale,
             )
             && self
                 .of_states
@@ -147,7 +145,7 @@ pub(super) struct Here<'a> {
     groups: Vec<Range<usize>>,
     modal: OnceCell<Option<Modal<'a>>>,
     /// rad/s: measures mass, damping and stiffness by each other.
-    pace: f64,
+    rate_scale: f64,
 }
 
 impl<'a> Here<'a> {
@@ -157,13 +155,13 @@ impl<'a> Here<'a> {
             coefficients: Coefficients::new(model, equations),
             groups: groups(model),
             modal: OnceCell::new(),
-            pace: fastest(model, state).max(1.0),
+            rate_scale: fastest(model, state).max(1.0),
         }
     }
 
     fn same(&self, there: &Coefficients, shares: [f64; 2]) -> bool {
         self.coefficients
-            .same(there, &self.groups, self.pace, shares)
+            .same(there, &self.groups, self.rate_scale, shares)
     }
 
     fn modal(&self) -> Option<&Modal<'a>> {
@@ -265,7 +263,7 @@ pub(super) fn sliding(model: &Model, state: &State) -> Vec<(usize, f64)> {
 fn reach(model: &Model) -> f64 {
     let share = model.tolerance / model.length;
     // smaller than without journals, but not by rounding
-    if share < 0.99 * OF_LENGTH {
+    if share < 0.99 * TOLERANCE_OF_LENGTH {
         OF_CLEARANCE * share
     } else {
         FOLLOWED
@@ -421,13 +419,13 @@ pub(super) fn axis(model: &Model, state: &State) -> Option<V3> {
     Some(axis / axis.norm())
 }
 
-/// Whether two sets of equations are equal up to a `share` of the largest entry of each kind. `pace` (rad/s)
+/// Whether two sets of equations are equal up to a `share` of the largest entry of each kind. `rate_scale` (rad/s)
 /// makes mass, damping and stiffness comparable.
-pub(super) fn alike(model: &Model, both: [&Equations; 2], pace: f64, share: f64) -> bool {
+pub(super) fn alike(model: &Model, both: [&Equations; 2], rate_scale: f64, share: f64) -> bool {
     let [a, b] = both.map(|e| Coefficients::new(model, e));
     // entries may also differ by a thousandth of the share of the largest of all, a choice: smaller ones move
     // no mode
-    a.same(&b, &groups(model), pace, [share, 1e-3 * share])
+    a.same(&b, &groups(model), rate_scale, [share, 1e-3 * share])
 }
 
 /// The state after `bodies` have moved on for a time (s). Each turning body turns about its own axis, which

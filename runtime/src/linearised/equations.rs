@@ -54,7 +54,7 @@ pub struct Equations {
     pub rates_by_states: DMatrix<f64>,
     /// Rate (rad/s) of the motion that the largest terms of K and C, or the state's own motion and weight,
     /// would cause alone. If they cancel, their rounding remains.
-    pub pace: f64,
+    pub rate_scale: f64,
     /// Sums of the absolute terms of K (1/s²) and C (1/s). The uncertainty of the entries is n roundings of
     /// these sums.
     pub stiffness_terms: DMatrix<f64>,
@@ -251,7 +251,7 @@ fn gradient_rates(
 ) -> Result<DMatrix<f64>, RuntimeError> {
     let scales = model.velocity_scales();
     let size = |x: &[f64]| largest_scaled(x, &scales);
-    let pace = match size(&state.velocity) {
+    let rate_scale = match size(&state.velocity) {
         0.0 => 1.0,
         speed => speed,
     };
@@ -264,7 +264,7 @@ fn gradient_rates(
         axes.to_body(along.as_view_mut());
         let factor = match size(along.as_slice()) {
             0.0 => continue,
-            length => pace / length,
+            length => rate_scale / length,
         };
         let mut gamma = |sign: f64| {
             let velocity: Vec<f64> = state
@@ -378,7 +378,7 @@ impl Equations {
         let held = own(&state.acceleration) + model.gravity.norm() / model.length;
         let turning = own(&state.velocity);
         let largest = |matrix: &DMatrix<f64>| matrix.iter().fold(0.0_f64, |w, x| w.max(*x));
-        let pace = largest(&of_damping)
+        let rate_scale = largest(&of_damping)
             .max(libm::sqrt(largest(&stiffness_terms) + held))
             .max(turning);
         // the damping block is separated from the stiffness with the weight `PACE`, so it has a share of its
@@ -401,7 +401,7 @@ impl Equations {
             basis_rate,
             stiffness,
             damping,
-            pace,
+            rate_scale,
             stiffness_terms,
             damping_terms,
             own_terms: held + turning * turning,

@@ -255,7 +255,7 @@ pub fn linearise(
     let matrix = equations.first_order();
     let unknowns = matrix.nrows();
     let spectrum = eigen::spectrum(matrix)?;
-    let size = spectrum.size.max(equations.pace);
+    let size = spectrum.size.max(equations.rate_scale);
     let resolution = libm::sqrt(unknowns as f64 * f64::EPSILON) * size;
     let (unresolved, mut pairs): (Vec<_>, Vec<_>) = spectrum
         .pairs

@@ -72,19 +72,23 @@ fn times(model: &Model, state: &State) -> Vec<f64> {
 
 /// Whether the state `now` equals the state `before` after the steady motion that leads to `gone`.
 fn steady(model: &Model, before: &State, gone: &State, now: &State) -> bool {
-    let pace = fastest(model, before).max(1.0);
+    let motion_rate = fastest(model, before).max(1.0);
     let near =
         |a: &[f64], b: &[f64], allowed: f64| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= allowed);
-    let scaled = |a: &[f64], b: &[f64], pace: f64| {
+    let scaled = |a: &[f64], b: &[f64], motion_rate: f64| {
         let scales = model.velocity_scales();
         a.iter()
             .zip(b)
             .zip(&scales)
-            .all(|((a, b), scale)| (a - b).abs() <= STEADY * scale * pace)
+            .all(|((a, b), scale)| (a - b).abs() <= STEADY * scale * motion_rate)
     };
     near(&gone.pose, &now.pose, STEADY * model.length.min(1.0))
-        && scaled(&gone.velocity, &now.velocity, pace)
-        && scaled(&before.acceleration, &now.acceleration, pace * pace)
+        && scaled(&gone.velocity, &now.velocity, motion_rate)
+        && scaled(
+            &before.acceleration,
+            &now.acceleration,
+            motion_rate * motion_rate,
+        )
 }
 
 /// The change of the eigenvalues with time alone, as a share of their size, if it is at most [`SLIGHT`].

@@ -6,14 +6,11 @@ use super::{LinearModes, StateSpace, Wanted, linearise};
 use crate::error::{Moment, RuntimeError};
 use crate::model::Model;
 use crate::simulation::{Options, Simulation, Slow, Warning};
-use crate::transient::{Advance, Observer, Sample, Verdict, follow};
+use crate::transient::{Advance, Observer, PATIENCE, Sample, Verdict, follow};
 use eng_system::analysis::{Named, Names};
 use eng_system::code::Compiled;
 use eng_system::system::{Extent, Linear};
 use std::ops::ControlFlow;
-
-/// Steps without progress of the cycle after which a run by angle gives up. A choice, as for a transient run.
-const PATIENCE: u64 = 200_000;
 
 /// Share of the transient in the progress, if a period follows. A choice: the integration of a period with
 /// its matrices takes longer.
@@ -131,8 +128,8 @@ impl Observer for Stretch<'_> {
         })
     }
 
-    fn paced(&mut self, slow: &Slow) {
-        self.inner.paced(slow);
+    fn short_steps(&mut self, slow: &Slow) {
+        self.inner.short_steps(slow);
     }
 
     fn warning(&mut self, warning: &Warning) {

@@ -68,7 +68,7 @@ impl<'a> Modal<'a> {
             .then(|| right.clone().try_inverse())
             .flatten()?;
         let rounding = left.map(|x| x.norm()) * matrix.abs() * right.map(|x| x.norm());
-        let resolution = libm::sqrt(n as f64 * f64::EPSILON) * found.size.max(equations.pace);
+        let resolution = libm::sqrt(n as f64 * f64::EPSILON) * found.size.max(equations.rate_scale);
         let modal = Modal {
             equations,
             values,

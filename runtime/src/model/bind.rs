@@ -1,13 +1,13 @@
 //! Numbers in place of slots: a compiled model becomes a [`Model`], or it is refused.
 
-use super::{ElementModel, LEAST_ERROR, MarkerModel, Model, STEP_SHARE};
+use super::{ElementModel, LEAST_ERROR, MarkerModel, Model, STEP_SHARE, TOLERANCE_OF_LENGTH};
 use crate::body::{BodyKind, BodyModel, Rigid};
-use crate::crew::Crew;
 use crate::error::RuntimeError;
 use crate::flexible::Flexible;
 use crate::rotation::{M3, V3, skew};
 use crate::shape::MarkerShape;
 use crate::surface::SurfaceModel;
+use crate::thread_pool::ThreadPool;
 use eng_system::code::{Compiled, Function};
 use eng_system::field::{FieldKernel, FieldNumbers};
 use eng_system::reduced::{ReducedBody, ReducedSurface};
@@ -24,10 +24,6 @@ const POINTLIKE: f64 = 1e-2;
 /// Position tolerance as a part of the smallest length that a class resolves. A choice: forces of a film
 /// change by about this share when its gap does.
 const OF_RESOLUTION: f64 = 1e-3;
-
-/// Largest position tolerance as a part of the model's length. A choice: with [`crate::model::STEP_SHARE`] a
-/// step is right to 1e-7 of the length.
-const OF_LENGTH: f64 = 1e-6;
 
 fn malformed(what: impl Into<String>) -> RuntimeError {
     RuntimeError::Malformed { what: what.into() }
@@ -110,7 +106,8 @@ impl Model {
             markers: Vec::with_capacity(system.markers.len()),
             elements: Vec::with_capacity(system.elements.len()),
             kernels: Vec::with_capacity(system.elements.len()),
-            crew: (compiled.threads.get() > 1).then(|| Arc::new(Crew::new(compiled.threads))),
+            thread_pool: (compiled.threads.get() > 1)
+                .then(|| Arc::new(ThreadPool::new(compiled.threads))),
             memory: 0,
             surfaces: Vec::new(),
             poses: 0,
@@ -405,7 +402,7 @@ fn surface_of(compiled: &Compiled, marker: usize) -> Option<(usize, &ReducedSurf
 fn position_tolerance(system: &System, slots: &Slots, length: f64) -> Result<f64, RuntimeError> {
     // a class can require finer positions than the model's length gives, never coarser ones: it does not know
     // the other classes of the model, and a length in a wrong unit would make the positions of all coarse
-    let mut tolerance = OF_LENGTH * length;
+    let mut tolerance = TOLERANCE_OF_LENGTH * length;
     // a step at the usual tolerance must be able to keep its share of it
     let least = LEAST_ERROR * length / (STEP_SHARE * OF_RESOLUTION);
     for resolution in &system.resolutions {

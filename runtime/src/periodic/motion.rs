@@ -7,6 +7,7 @@
 use super::repetition::{Fit, slowest, thinned, within};
 use crate::decay::Mode;
 use crate::model::Model;
+use crate::rotation::turn_between;
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
@@ -197,7 +198,7 @@ impl Motion {
                 for i in p..p + 3 {
                     worst = worst.max((now[i] - before[i]).abs());
                 }
-                let turn = turned(&before[p + 3..p + 7], &now[p + 3..p + 7]);
+                let turn = turn_between(&before[p + 3..p + 7], &now[p + 3..p + 7]).norm();
                 worst = worst.max(self.length * turn);
                 for i in 0..place.modes {
                     let unit = self.units[place.velocity + 6 + i] / self.length;
@@ -220,36 +221,9 @@ impl Motion {
     }
 }
 
-/// Angle (rad) between two orientations, as unit quaternions of either sign. It is twice the length of the
-/// vector part of `conj(a) b`, which is accurate for small angles too.
-fn turned(a: &[f64], b: &[f64]) -> f64 {
-    let cross = [
-        a[2] * b[3] - a[3] * b[2],
-        a[3] * b[1] - a[1] * b[3],
-        a[1] * b[2] - a[2] * b[1],
-    ];
-    let square: f64 = (0..3)
-        .map(|i| {
-            let x = a[0] * b[i + 1] - b[0] * a[i + 1] - cross[i];
-            x * x
-        })
-        .sum();
-    2.0 * libm::asin(libm::sqrt(square).min(1.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn small_turns_keep_their_digits_and_signs_of_quaternions_do_not_count() {
-        let of = |angle: f64| [libm::cos(0.5 * angle), 0.0, 0.0, libm::sin(0.5 * angle)];
-        for turn in [1e-12, 1e-5, 0.7, 3.0] {
-            let (a, b) = (of(0.4), of(0.4 + turn));
-            assert!((turned(&a, &b) / turn - 1.0).abs() < 1e-3, "{turn}");
-            assert!((turned(&a, &b.map(|x| -x)) / turn - 1.0).abs() < 1e-3);
-        }
-    }
 
     /// A model of states alone.
     fn of_states(scales: &[f64]) -> Motion {

@@ -5,21 +5,16 @@
 //! are those of a state just after it, and the first step begins there if the kink is a moment.
 
 use super::Simulation;
+use crate::assembly::velocity::{BEHIND, JUMP};
 use crate::error::RuntimeError;
 use crate::state::State;
 use eng_system::dense::largest;
 use eng_system::system::StepControl;
 
-/// Time after a kink of the motion, as a share of the time in which the motion covers the model's length or a
-/// radian. A choice far above the rounding of positions, 1e-16, and so short that nothing else changes.
-const BEHIND: f64 = 1e-12;
 /// Longest time to a kink, in the same measure. A slow motion reaches a kink that is a rounding away after a
 /// time in which its loads change by themselves, and its first state is no state of that time. The limit is a
 /// choice.
 const NEAR: f64 = 1e-9;
-/// Change of an acceleration or a rate at the kink that is a jump, as a share of the largest one. A choice:
-/// without a jump they change by about 1e-12 over the time [`BEHIND`].
-const JUMP: f64 = 1e-6;
 
 impl Simulation {
     /// At the start, a kink in time at which the motion begins. Loads may jump there.
@@ -45,17 +40,17 @@ impl Simulation {
             return Ok(None);
         }
         let base = self.integrator.current.clone();
-        let pace = base.pace(&self.model);
+        let motion_rate = base.motion_rate(&self.model);
         let mut e = 0.0_f64;
         for kink in &here {
-            if self.kinks.is_moment(*kink) || pace == 0.0 {
+            if self.kinks.is_moment(*kink) || motion_rate == 0.0 {
                 let [_, behind] = self.kinks.around(*kink, time);
                 e = e.max(behind - time);
                 continue;
             }
             let to_kink = self.kinks.time_to(*kink);
-            if to_kink * pace <= NEAR {
-                e = e.max(to_kink + BEHIND / pace);
+            if to_kink * motion_rate <= NEAR {
+                e = e.max(to_kink + BEHIND / motion_rate);
             }
         }
         if e == 0.0 {

@@ -15,6 +15,7 @@
 //! no jump.
 
 use super::Simulation;
+use crate::assembly::velocity::{NEARER, REMAINS};
 use crate::error::{AccelerationJump, Moment, RuntimeError};
 use crate::state::State;
 
@@ -22,11 +23,6 @@ use crate::state::State;
 /// length in a second. A smaller one is rounding, or an error of the text that no result shows. Both are
 /// choices.
 const VELOCITY: (f64, f64) = (1e-6, 1e-9);
-/// The second distance from the kink as a share of the first one, and the least part of a difference that
-/// remains there if it is a jump. Choices: a difference without a jump falls with the distance, to a quarter,
-/// and that of a root to a half.
-const NEARER: f64 = 0.25;
-const REMAINS: f64 = 0.5;
 /// Distances from a moment, in roundings of the time. The smaller one is that of steps that end there. The
 /// larger one is a choice: a thousand times that, so that a slope and a jump differ.
 const ROUNDINGS: [f64; 2] = [2048.0, 2.0];
@@ -270,10 +266,10 @@ impl Simulation {
         let [far, near] = &differences[..] else {
             return Ok(());
         };
-        let pace = base.pace(&self.model);
+        let motion_rate = base.motion_rate(&self.model);
         let least = [
             self.model.tolerance / self.model.length,
-            VELOCITY.0 * pace + VELOCITY.1,
+            VELOCITY.0 * motion_rate + VELOCITY.1,
         ];
         for order in 0..2 {
             let jumps = far.iter().zip(near).enumerate().map(|(row, (far, near))| {

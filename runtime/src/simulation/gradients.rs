@@ -635,14 +635,18 @@ fn rates_at(
 /// derivatives are zero.
 fn distance(model: &Model, state: &State, along: [&Variation; 2], reach: f64) -> Option<f64> {
     let scales = model.velocity_scales();
-    let pace = state.pace(model);
+    let motion_rate = state.motion_rate(model);
     let sizes: Vec<f64> = (model.state_scales.iter().zip(&state.states))
         .map(|(scale, y)| scale.max(y.abs()))
         .collect();
     let shares = along.map(|change| {
         let place = largest_scaled(&change.place, &scales) * model.length / reach;
         let speed = largest_scaled(&change.velocity, &scales) * model.length / reach;
-        let speed = if pace > 0.0 { speed / pace } else { 0.0 };
+        let speed = if motion_rate > 0.0 {
+            speed / motion_rate
+        } else {
+            0.0
+        };
         let states = largest_scaled(&change.states, &sizes) / STATES;
         place.max(speed).max(states)
     });

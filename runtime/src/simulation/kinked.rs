@@ -375,11 +375,11 @@ impl Simulation {
             self.pass_defect(moment)?;
             self.integrator.take_accelerations(&start);
         }
-        let pace = start.pace(&self.model);
-        if pace == 0.0 {
+        let motion_rate = start.motion_rate(&self.model);
+        if motion_rate == 0.0 {
             return Ok(());
         }
-        let e = (BEHIND / pace).min(h.max(BEHIND * self.size.step));
+        let e = (BEHIND / motion_rate).min(h.max(BEHIND * self.size.step));
         // the states must not lie behind the next kink, such as the other face of a thin sheet
         let beside = self.at_kink.map(|kink| self.kinks.time_beside(kink));
         let e = e.min(BESIDE * beside.unwrap_or(f64::INFINITY));

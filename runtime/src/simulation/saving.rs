@@ -1,6 +1,6 @@
 //! Checkpoints of a simulation.
 
-use super::astray::Astray;
+use super::runaway::Runaway;
 use super::{Energy, Options, Simulation, check};
 use crate::checkpoint::{self, Reader, Writer};
 use crate::control::{FixedGrid, StepSize};
@@ -37,7 +37,7 @@ impl Simulation {
         ]);
         w.numbers(&self.powers);
         w.numbers(&self.earlier_powers);
-        w.numbers(&[self.earlier_step, self.cycle_start, self.astray.number()]);
+        w.numbers(&[self.earlier_step, self.cycle_start, self.runaway.number()]);
         w.integer(u64::from(self.cycle_now.is_some()));
         w.numbers(&self.cycle_now.unwrap_or_default());
         let advised: Vec<f64> = self
@@ -78,7 +78,7 @@ impl Simulation {
         simulation.warnings.clear();
         simulation.start = crate::start::StartReport::Resumed;
         simulation.integrator.restore(&simulation.model, &mut r)?;
-        simulation.resume_pace_and_energy(&mut r)?;
+        simulation.resume_steps_and_energy(&mut r)?;
         let has_cycle = r.integer()? == 1;
         let mut cycle = [0.0; 2];
         r.numbers(&mut cycle)?;
@@ -96,7 +96,7 @@ impl Simulation {
     }
 
     /// Reads the parts of a checkpoint about the length of steps, and energy and work.
-    fn resume_pace_and_energy(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
+    fn resume_steps_and_energy(&mut self, r: &mut Reader<'_>) -> Result<(), RuntimeError> {
         let mut size = [0.0; 2];
         r.numbers(&mut size)?;
         self.size = StepSize::from_numbers(size);
@@ -119,10 +119,10 @@ impl Simulation {
         r.numbers(&mut self.earlier_powers)?;
         let mut rest = [0.0; 3];
         r.numbers(&mut rest)?;
-        let [earlier_step, cycle_start, astray] = rest;
+        let [earlier_step, cycle_start, runaway] = rest;
         self.earlier_step = earlier_step;
         self.cycle_start = cycle_start;
-        self.astray = Astray::from_number(astray);
+        self.runaway = Runaway::from_number(runaway);
         Ok(())
     }
 

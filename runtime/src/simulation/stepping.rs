@@ -1,6 +1,6 @@
 //! The start and the steps of a simulation.
 
-use super::pace::Limit;
+use super::step_limit::Limit;
 use super::{Simulation, StepReport, Warning};
 use crate::control::{FixedGrid, StepSize};
 use crate::elements::Inputs;
@@ -58,7 +58,7 @@ pub(super) struct FirstRates {
     /// Largest acceleration in units of the model's size (1/s²).
     pub acceleration: f64,
     /// One over the time in which the motion covers the model's length or a radian (1/s).
-    pub pace: f64,
+    pub motion_rate: f64,
 }
 
 impl Simulation {
@@ -104,9 +104,13 @@ impl Simulation {
         let speed = self.model.largest(&self.integrator.current.velocity);
         let acceleration = self.model.largest(&self.integrator.current.acceleration);
         // a ten-thousandth of the time in which the motion covers the model's length or a radian
-        let pace = speed.max(libm::sqrt(acceleration));
+        let motion_rate = speed.max(libm::sqrt(acceleration));
         // at rest nothing has a time; 10 µs is a choice
-        let mut offset = if pace > 0.0 { 1e-4 / pace } else { 1e-5 };
+        let mut offset = if motion_rate > 0.0 {
+            1e-4 / motion_rate
+        } else {
+            1e-5
+        };
         if let Some(h) = self.options.step.fixed() {
             // a fixed step must not be left: a choice
             offset = offset.min(0.1 * h);
@@ -154,7 +158,7 @@ impl Simulation {
             multiplier_rate,
             state_jerk,
             acceleration,
-            pace,
+            motion_rate,
         })
     }
 
@@ -164,10 +168,14 @@ impl Simulation {
         let largest = largest_scaled(&first.jerk, &scales);
         let error = self.integrator.coefficients.error.abs() * largest * self.model.length
             / (STEP_SHARE * self.model.tolerance * factor);
-        let pace = first.pace;
+        let motion_rate = first.motion_rate;
         // a choice: a fiftieth of a radian, about 300 steps a turn, if the error does not limit the step; at
         // rest 10 µs
-        let mut h = if pace > 0.0 { 0.02 / pace } else { 1e-5 };
+        let mut h = if motion_rate > 0.0 {
+            0.02 / motion_rate
+        } else {
+            1e-5
+        };
         if error > 0.0 {
             // half of the step that the error allows, a choice, because the rate of the first acceleration is
             // known at the start only
@@ -180,7 +188,7 @@ impl Simulation {
         for (a, (j, scale)) in accelerations.iter().zip(first.jerk.iter().zip(&scales)) {
             let (a, j) = ((a / scale).abs(), (j / scale).abs());
             if j > 0.0 {
-                let own = (a + REST * first.acceleration).max(ROUNDING * pace * pace);
+                let own = (a + REST * first.acceleration).max(ROUNDING * motion_rate * motion_rate);
                 h = h.min(FOLLOWED * own / j);
             }
         }
@@ -447,8 +455,8 @@ impl Simulation {
             self.turned_too_far(h)?;
         }
         let current = &self.integrator.current;
-        if let Some((body, distance)) = self.astray.after_step(&self.model, current) {
-            return Err(RuntimeError::Astray {
+        if let Some((body, distance)) = self.runaway.after_step(&self.model, current) {
+            return Err(RuntimeError::Runaway {
                 moment: self.moment(),
                 origin: Box::new(self.model.bodies[body].origin.clone()),
                 distance,

@@ -157,7 +157,7 @@ pub struct Balance<'a> {
     neutral: DMatrix<f64>,
     freedoms: usize,
     /// Rate of the motion (1/s), its largest scaled velocity; 1 at rest.
-    pace: f64,
+    motion_rate: f64,
     /// Force times length (J) against which residuals are measured.
     unit: f64,
     velocity: Vec<f64>,
@@ -209,8 +209,8 @@ impl<'a> Balance<'a> {
         } else {
             motion.rates(model, state).map_err(|e| locked(model, e))?
         };
-        let pace = motion.pace(&velocity);
-        let pace = if pace > 0.0 { pace } else { 1.0 };
+        let motion_rate = motion.motion_rate(&velocity);
+        let motion_rate = if motion_rate > 0.0 { motion_rate } else { 1.0 };
         let plan = MatrixPlan::new(model);
         let mut balance = Balance {
             model,
@@ -229,8 +229,8 @@ impl<'a> Balance<'a> {
             movable: DMatrix::zeros(model.velocities, 0),
             neutral: DMatrix::zeros(0, model.velocities),
             freedoms: 0,
-            pace,
-            unit: model.mass * model.length * model.length * pace * pace,
+            motion_rate,
+            unit: model.mass * model.length * model.length * motion_rate * motion_rate,
             velocity,
             acceleration,
             motion,
@@ -256,7 +256,7 @@ impl<'a> Balance<'a> {
             }
         }
         balance.freedoms = free.ncols();
-        balance.find_neutral(state, &free, pace)?;
+        balance.find_neutral(state, &free, motion_rate)?;
         balance.movable = free;
         Ok(balance)
     }

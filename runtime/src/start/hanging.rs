@@ -1,4 +1,5 @@
-//! Bodies that nothing holds: a block without mounts.
+//! Bodies that nothing holds: a block without mounts. Here films hold their pins; [`crate::loose`] finds single motions of
+//! the whole model, and asks films for their load.
 //!
 //! A direction is free if no constraint, film, force or elasticity responds to a motion along it. The free
 //! directions are the null space of four matrices together: the constraints' gradients, the pins' positions

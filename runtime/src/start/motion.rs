@@ -453,11 +453,11 @@ impl SteadyMotion {
         // f' = (−25 f₀ + 48 f₁ − 36 f₂ + 16 f₃ − 3 f₄)/12h
         const WEIGHTS: [f64; 5] = [-25.0, 48.0, -36.0, 16.0, -3.0];
         let velocity = self.velocity(model, state)?;
-        let pace = self.pace(&velocity);
-        if pace == 0.0 {
+        let motion_rate = self.motion_rate(&velocity);
+        if motion_rate == 0.0 {
             return Ok((velocity, vec![0.0; model.velocities]));
         }
-        let h = APART / pace;
+        let h = APART / motion_rate;
         let mut rate = vec![0.0; model.velocities];
         let mut near = state.clone();
         let mut now = velocity.clone();
@@ -500,7 +500,7 @@ impl SteadyMotion {
     }
 
     /// The rate (1/s) at which the motion covers the model's length or a radian: the largest scaled velocity.
-    pub fn pace(&self, velocity: &[f64]) -> f64 {
+    pub fn motion_rate(&self, velocity: &[f64]) -> f64 {
         largest_scaled(velocity, &self.scales)
     }
 }

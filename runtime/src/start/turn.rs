@@ -10,7 +10,6 @@ use crate::assembled::Assembled;
 use crate::assembly::closing::set_mobility;
 use crate::assembly::rows::{self, Along, Rows, pins};
 use crate::assembly::{at, chains, lock};
-use crate::body::BodyModel;
 use crate::dynamics::Dynamics;
 use crate::elements::Inputs;
 use crate::error::{Moment, RuntimeError};
@@ -72,7 +71,7 @@ pub enum Turned {
 
 /// Angle of the cycle (rad) within which a place is reached. Angles of some turns are rounded to 1e-15 rad,
 /// and no result shows a smaller difference.
-const REACHED: f64 = 1e-12;
+pub(crate) const REACHED: f64 = 1e-12;
 /// Singular value, as a share of the largest, below which a combination of rows is only rounding: it would make
 /// velocities arbitrarily large.
 const RANK: f64 = 1e-12;
@@ -119,7 +118,7 @@ pub(crate) fn bring(
         (Extent::Time(_), _) => None,
         (Extent::Angle(angle), Some(cycle)) => {
             let period = model.slot(cycle.period);
-            if rate.abs() <= STANDS * fastest(model, state) {
+            if rate.abs() <= STANDS * state.fastest_turn(model) {
                 turning.still = true;
             }
             let away = angle - start;
@@ -155,8 +154,8 @@ pub(crate) fn bring(
             (Extent::Time(end), None) => end - state.time,
             (Extent::Angle(_), None) => return Ok(()),
         };
-        let pace = fastest(model, state);
-        let whole = std::f64::consts::TAU / PLACES / pace.max(f64::MIN_POSITIVE);
+        let motion_rate = state.fastest_turn(model);
+        let whole = std::f64::consts::TAU / PLACES / motion_rate.max(f64::MIN_POSITIVE);
         let mut step = left.clamp(-whole, whole);
         let mut reached = None;
         for _ in 0..HALVINGS {
@@ -242,7 +241,7 @@ pub fn turn(
         turning.speed = driven(model, &state)?;
     }
     let [start, rate] = turning.cycle(&state)?;
-    let stands = rate.abs() <= STANDS * fastest(model, &state);
+    let stands = rate.abs() <= STANDS * state.fastest_turn(model);
     if stands || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
         return Ok(Turned::Not);
     }
@@ -290,25 +289,14 @@ pub fn turn(
     Ok(Turned::Whole)
 }
 
-/// The highest angular speed of a body (rad/s).
-fn fastest(model: &Model, state: &State) -> f64 {
-    let speed = |body: &BodyModel| {
-        let turning = &state.velocity[body.velocity + 3..body.velocity + 6];
-        libm::sqrt(turning.iter().map(|x| x * x).sum::<f64>())
-    };
-    model.bodies.iter().map(speed).fold(0.0, f64::max)
-}
-
 /// The highest speed (rad/s) that a drive imposes on its first marker about its second one's z axis; 0
 /// without a drive.
 fn driven(model: &Model, state: &State) -> Result<f64, RuntimeError> {
     let mut rest = state.clone();
     rest.velocity.fill(0.0);
     let mut fastest: f64 = 0.0;
-    for (index, element) in model.elements.iter().enumerate() {
-        if !element.dynamic || model.class(index).rows.is_empty() {
-            continue;
-        }
+    for index in model.constraining() {
+        let element = &model.elements[index];
         // a drive's rows change with time while nothing moves
         let rates = Rows::new(model, vec![index]).rates(model, &at(&rest))?;
         if let &[a, b] = element.markers.as_slice()
@@ -352,10 +340,7 @@ impl<'a> Turning<'a> {
         motion: SteadyMotion,
         cycle: Option<usize>,
     ) -> Result<Turning<'a>, RuntimeError> {
-        let elements: Vec<usize> = (0..model.elements.len())
-            .filter(|e| model.elements[*e].dynamic && !model.class(*e).rows.is_empty())
-            .collect();
-        let exact = Rows::new(model, elements);
+        let exact = Rows::new(model, model.constraining().collect());
         let mut mobility = vec![0.0; model.velocities];
         for body in &model.bodies {
             set_mobility(body, 1.0, &mut mobility);

@@ -2,6 +2,7 @@
 
 use super::labels::capital;
 use super::{Drawer, PostError};
+use crate::cycle::cycle_angle;
 use crate::motion::{At, moments};
 use crate::post::track::distinct_names;
 use eng_report::figure::{Figure, FilmMap, FilmPanel};
@@ -10,6 +11,7 @@ use eng_system::Dimension;
 use eng_system::field::FILM_CELLS;
 use eng_system::figure as plan;
 use eng_system::significant::{short, significant};
+use std::f64::consts::TAU;
 
 impl Drawer<'_> {
     pub(super) fn film(&self, map: &plan::FilmMap) -> Result<Figure, PostError> {
@@ -102,11 +104,12 @@ impl Drawer<'_> {
         };
         let extreme = values.iter().enumerate().max_by(order);
         let extreme = extreme.and_then(|(cell, value)| {
-            let angle = middles.get(cell / places.len().max(1))?.to_degrees();
+            let angle = *middles.get(cell / places.len().max(1))?;
+            let angle = cycle_angle(angle, Some(TAU)).to_degrees();
             let place = 1e3 * places.get(cell % places.len().max(1))?;
             // the middle of an odd number of cells is zero but for rounding
             let place = if place.abs() < 1e-9 { 0.0 } else { place };
-            Some((*value, angle.rem_euclid(360.0), place))
+            Some((*value, angle, place))
         });
         let facts = extreme.map(|(value, angle, place)| {
             format!(

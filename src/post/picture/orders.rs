@@ -4,7 +4,7 @@ use super::{Drawer, named, pairs};
 use crate::post::PostError;
 use crate::post::natural::Natural;
 use crate::post::operation::window_of;
-use crate::post::reach::limit_text;
+use crate::post::sampling_limits::limit_text;
 use crate::post::spectra::{map_of, orders_along, orders_of, spectrum_of};
 use crate::post::track::{Track, distinct_names};
 use eng_report::figure::{

@@ -2,6 +2,7 @@
 
 use super::labels::capital;
 use super::{Drawer, degrees};
+use crate::cycle::last_cycle;
 use crate::post::PostError;
 use crate::post::track::{Track, distinct_names};
 use eng_report::figure::{
@@ -46,6 +47,7 @@ impl Drawer<'_> {
                 frame: frame.to_owned(),
                 clearance: geometry.clearance,
                 angle: degrees(&x),
+                last_cycle: begin_of_last_cycle(&x),
                 x: x.values,
                 y: y.values,
             });
@@ -81,6 +83,7 @@ impl Drawer<'_> {
                 },
                 frame: self.frame([&vector.x]),
                 angle: degrees(&x),
+                last_cycle: begin_of_last_cycle(&x),
                 // a vector has no shifted zero
                 x: x.values.iter().map(|v| v / display.scale).collect(),
                 y: y.values.iter().map(|v| v / display.scale).collect(),
@@ -155,6 +158,12 @@ impl Drawer<'_> {
         let period = machine.cycle_period.map_or(360.0, f64::to_degrees);
         Ok((period, machine.upright))
     }
+}
+
+/// Index of the first sample of the last whole cycle; 0 without one.
+fn begin_of_last_cycle(track: &Track) -> usize {
+    let samples = &track.samples;
+    last_cycle(samples.angle.as_deref(), samples.period).unwrap_or(0)
 }
 
 /// The part of the results that is drawn, after the name of the analysis.

@@ -2,8 +2,8 @@
 
 use super::Drawer;
 use crate::post::PostError;
+use crate::results::display_unit;
 use eng_report::figure::{Figure, Tornado, TornadoBar};
-use eng_system::DisplayUnit;
 use eng_system::expression::Member;
 use eng_system::figure as plan;
 
@@ -27,11 +27,7 @@ impl Drawer<'_> {
         }
         bars.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
         let about = self.about(&analyses)?;
-        let percent = DisplayUnit {
-            symbol: "%".to_owned(),
-            scale: 0.01,
-            offset: 0.0,
-        };
+        let percent = display_unit("%", 0.01);
         let subtitle = match change {
             Some(share) => format!("{about}, {} more of each parameter", percent.text(*share)),
             None => about,

@@ -1,6 +1,7 @@
 //! The arguments of analyses: types, units, limits, and their values on the way into a plan.
 
 use super::{Extent, Integration, Named, Names, Start, StepControl};
+use crate::kinds;
 use std::f64::consts::PI;
 
 /// An argument that a kind of analysis takes, by name.
@@ -96,8 +97,7 @@ pub enum Value {
 }
 
 /// The stated arguments of an analysis. Each is within its limits and has the type of its row.
-#[derive(Clone, Debug, Default)]
-pub struct Given(Vec<(&'static str, Value)>);
+pub type Given = kinds::Given<Value>;
 
 /// The reason why arguments give no plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,16 +118,6 @@ pub enum Unplanned {
 }
 
 impl Given {
-    /// States an argument.
-    pub fn state(&mut self, name: &'static str, value: Value) {
-        self.0.push((name, value));
-    }
-
-    fn find(&self, wanted: &str) -> Option<&Value> {
-        let stated = self.0.iter().find(|(name, _)| *name == wanted);
-        stated.map(|(_, value)| value)
-    }
-
     /// A number (SI), if the text states it.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.find(name)? {
@@ -221,6 +211,23 @@ pub(super) const POSITIVE: &[Limit] = &[limit(|x| x > 0.0 && x.is_finite(), "pos
 /// Distance of samples over the cycle angle (rad) without `sample`: half a degree. A choice: it shows the
 /// peaks of gas and films of an engine, and a cycle has 1440 samples.
 pub(super) const PLAIN_ANGLE: f64 = PI / 360.0;
+
+/// Number of samples in a time if the text states no `sample`. A choice: as many as a figure has pixels across.
+pub(super) const PLAIN_SAMPLES: f64 = 1000.0;
+
+/// Most samples of an analysis: it keeps all of them in memory until it ends. A choice: with a hundred
+/// channels they take 8 GB.
+const MOST_SAMPLES: f64 = 1e7;
+
+/// Whether a range has more samples than memory holds. A time and an angle cannot be compared.
+pub(super) fn too_many_samples(whole: Extent, sample: Extent) -> bool {
+    match (whole, sample) {
+        (Extent::Time(whole), Extent::Time(part)) | (Extent::Angle(whole), Extent::Angle(part)) => {
+            whole / part > MOST_SAMPLES
+        }
+        _ => false,
+    }
+}
 
 pub(super) const STEP: Argument = argument(
     "step",

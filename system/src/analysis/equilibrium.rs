@@ -44,7 +44,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
             argument: "at",
             title: "`at` must not be before the start",
             label: "this time is negative",
-            help: "drives and loads are followed from the start at 0 s; an angle of the cycle may be negative",
+            help: "the run begins at 0 s; state a later time, or an angle of the cycle, which may be negative",
         });
     }
     Ok(AnalysisKind::Static(Static {

@@ -1,18 +1,12 @@
 //! `kinematic`: the motion that joints, drives and one speed determine, with the reactions that it needs.
 
-use super::argument::{POSITIVE, argument};
+use super::argument::{PLAIN_SAMPLES, POSITIVE, argument, too_many_samples};
 use super::{AnalysisKind, Counted, Extent, Given, Kind, KindRow, Rows, Takes, Unplanned};
 use std::f64::consts::PI;
 
 /// Distance of samples over the cycle angle (rad) without `sample`: one degree. A choice: a motion of
 /// geometry alone is smooth over this.
 const PLAIN_ANGLE: f64 = PI / 180.0;
-/// Number of samples in a time if the text states no `sample`. A choice: as many as a figure has pixels
-/// across.
-const PLAIN_SAMPLES: f64 = 1000.0;
-/// Most samples of an analysis: it keeps all of them in memory until it ends. A choice: with a hundred
-/// channels they take 8 GB.
-const MOST_SAMPLES: f64 = 1e7;
 
 /// The prescribed motion of a mechanism, and the reactions by inverse dynamics.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,21 +58,16 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         })
     };
     match (over, sample) {
-        (Some(Extent::Time(whole)), Extent::Time(part))
-        | (Some(Extent::Angle(whole)), Extent::Angle(part))
-            if whole / part > MOST_SAMPLES =>
-        {
-            refuse(
-                "`sample` must be at least a ten-millionth of `over`",
-                "more samples than memory holds",
-                "sample more coarsely, or over a shorter range",
-            )
-        }
+        (Some(over), sample) if too_many_samples(over, sample) => refuse(
+            "`sample` must be at least a ten-millionth of `over`",
+            "more samples than memory holds",
+            "sample more coarsely, or over a shorter range",
+        ),
         (None, Extent::Time(_))
         | (Some(Extent::Angle(_)), Extent::Time(_))
         | (Some(Extent::Time(_)), Extent::Angle(_)) => refuse(
             "`sample` and `over` are both angles or both times",
-            "of the other kind than the range",
+            "one is an angle and the other a time",
             "without `over` the range is one cycle, which is an angle",
         ),
         _ => Ok(AnalysisKind::Kinematic(Kinematic { over, sample })),
@@ -92,5 +81,9 @@ impl Kind for Kinematic {
 
     fn rows(&self) -> Rows {
         Rows::Samples
+    }
+
+    fn is_prescribed(&self) -> bool {
+        true
     }
 }

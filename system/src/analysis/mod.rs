@@ -115,6 +115,22 @@ pub trait Kind {
     fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
         Vec::new()
     }
+
+    /// The parameters by which its channels are differentiated; `None` for a kind without derivatives.
+    fn gradients(&self) -> Option<&[Named]> {
+        None
+    }
+
+    /// The same parameters, to be changed.
+    fn gradients_mut(&mut self) -> Option<&mut Vec<Named>> {
+        None
+    }
+
+    /// Whether joints and drives alone decide the motion: no force moves anything, so there are no energies, no
+    /// films and no summaries of loads.
+    fn is_prescribed(&self) -> bool {
+        false
+    }
 }
 
 /// An analysis of one kind, with its numbers. It dereferences to its [`Kind`].

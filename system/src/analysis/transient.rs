@@ -1,17 +1,12 @@
 //! `transient`: the motion in time.
 
-use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument};
+use super::argument::{
+    PLAIN_ANGLE, PLAIN_SAMPLES, POSITIVE, RHO, START, STEP, TOLERANCE, argument, too_many_samples,
+};
 use super::{
     AnalysisKind, Apart, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Named,
     Names, Rows, Start, Takes, Unplanned,
 };
-
-/// Most samples of an analysis: it keeps all of them in memory until it ends. A choice: with a hundred
-/// channels they take 8 GB.
-const MOST_SAMPLES: f64 = 1e7;
-/// Number of samples in a duration if the text states no `sample`. A choice: as many as a figure has pixels
-/// across.
-const PLAIN_SAMPLES: f64 = 1000.0;
 
 /// The argument with the condition that ends a run.
 pub const STOP: &str = "stop";
@@ -90,13 +85,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         (None, Extent::Time(whole)) => Extent::Time(whole / PLAIN_SAMPLES),
         (None, Extent::Angle(_)) => Extent::Angle(PLAIN_ANGLE),
     };
-    let many = match (duration, sample) {
-        (Extent::Time(whole), Extent::Time(part)) | (Extent::Angle(whole), Extent::Angle(part)) => {
-            given.extent("sample").is_some() && whole / part > MOST_SAMPLES
-        }
-        _ => false,
-    };
-    if many {
+    if given.extent("sample").is_some() && too_many_samples(duration, sample) {
         return Err(Unplanned::Refused {
             argument: "sample",
             title: "`sample` must be at least a ten-millionth of `duration`",
@@ -128,6 +117,14 @@ impl Kind for Transient {
 
     fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
         vec![("gradients", Names::Parameters, &self.gradients)]
+    }
+
+    fn gradients(&self) -> Option<&[Named]> {
+        Some(&self.gradients)
+    }
+
+    fn gradients_mut(&mut self) -> Option<&mut Vec<Named>> {
+        Some(&mut self.gradients)
     }
 
     fn rows(&self) -> Rows {

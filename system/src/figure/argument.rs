@@ -4,6 +4,7 @@ use super::Vector;
 use crate::analysis::Extent;
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::expression::{Expression, Limit, Member};
+use crate::kinds;
 
 /// An argument that a figure takes.
 #[derive(Debug)]
@@ -131,8 +132,7 @@ impl Signals {
 }
 
 /// The stated arguments of a figure. Each has the type of its row.
-#[derive(Clone, Debug, Default)]
-pub struct Given(Vec<(&'static str, Value)>);
+pub type Given = kinds::Given<Value>;
 
 /// The reason why arguments give no tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,17 +148,6 @@ pub enum Unplanned {
 }
 
 impl Given {
-    /// States an argument.
-    pub fn state(&mut self, name: &'static str, value: Value) {
-        self.0.push((name, value));
-    }
-
-    /// The value of an argument, if the text states it.
-    pub fn find(&self, wanted: &str) -> Option<&Value> {
-        let stated = self.0.iter().find(|(name, _)| *name == wanted);
-        stated.map(|(_, value)| value)
-    }
-
     /// The lists of signals of an argument.
     pub fn panels(&self, name: &'static str) -> Result<&[Signals], Unplanned> {
         match self.find(name) {

@@ -66,8 +66,8 @@ impl<'a> Corners<'a> {
             None => (0.0, x),
         };
         // a count of periods beyond this one has lost its last digits
-        const MOST: f64 = 1e12;
-        if turns.abs() > MOST {
+        const MOST_PERIODS: f64 = 1e12;
+        if turns.abs() > MOST_PERIODS {
             return found;
         }
         let above = points.partition_point(|p| *p <= within) as i64 + turns as i64 * count;

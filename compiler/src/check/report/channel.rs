@@ -15,7 +15,7 @@ use eng_system::recorded::Recorded;
 use std::rc::Rc;
 
 /// Largest number of indices that a message lists. A choice: they fit in a line or two.
-const SHOWN: usize = 12;
+const SHOWN_CHANNELS: usize = 12;
 
 /// A part of a path.
 pub(super) enum Step<'a> {
@@ -316,7 +316,7 @@ impl<'a> Reporter<'a, '_> {
             .at(span, "outside")
             .with_note(format!(
                 "it has {}",
-                listing(names.iter().map(String::as_str), SHOWN)
+                listing(names.iter().map(String::as_str), SHOWN_CHANNELS)
             )),
         );
     }
@@ -492,7 +492,7 @@ fn no_channel(place: &Found<'_>, field: &Name) -> Diagnostic {
     }
     message.with_note(format!(
         "it has {}",
-        listing(known.iter().map(String::as_str), SHOWN)
+        listing(known.iter().map(String::as_str), SHOWN_CHANNELS)
     ))
 }
 
@@ -516,7 +516,7 @@ pub(super) fn not_one(place: &Found<'_>, span: Span) -> Diagnostic {
         }
         _ => message.with_note(format!(
             "it has {}",
-            listing(known.iter().map(String::as_str), SHOWN)
+            listing(known.iter().map(String::as_str), SHOWN_CHANNELS)
         )),
     }
 }

@@ -12,7 +12,7 @@ use crate::resolve::suggest::{listing, nearest};
 use eng_grammar::ast::{Expr, IndexArgument, UnitExpr};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::DisplayUnit;
-use eng_system::analysis::{AnalysisKind, Named, Names};
+use eng_system::analysis::{Named, Names};
 use eng_system::expression::{Expression, Member, Operator};
 use eng_system::figure::Signals;
 use eng_system::place::Location;
@@ -20,7 +20,7 @@ use eng_system::recorded::ENERGY;
 use eng_system::system::Parameter;
 
 /// Most parameters that a message lists. A choice: they fit in a line or two.
-const SHOWN: usize = 12;
+const SHOWN_PARAMETERS: usize = 12;
 
 /// The analyses behind an expression, each once.
 fn analyses(expression: &Expression, found: &mut Vec<String>) {
@@ -150,7 +150,7 @@ impl<'a> Reporter<'a, '_> {
         let mut plans = Vec::new();
         for name in names {
             let plan = self.models.plan(&name)?;
-            let AnalysisKind::Transient(_) = &plan.analysis.kind else {
+            if plan.analysis.kind.gradients().is_none() {
                 self.diagnose(
                     Diagnostic::error(
                         codes::REPORT_GRADIENT,
@@ -160,7 +160,7 @@ impl<'a> Reporter<'a, '_> {
                     .with_help("compare two runs with different values of the parameter"),
                 );
                 return None;
-            };
+            }
             plans.push(plan);
         }
         Some(plans)
@@ -235,7 +235,7 @@ impl<'a> Reporter<'a, '_> {
                         Some(near) if names.len() == 1 => message.meant(place, near),
                         _ => message.with_note(format!(
                             "parameters are {}",
-                            listing(known.iter().copied(), SHOWN)
+                            listing(known.iter().copied(), SHOWN_PARAMETERS)
                         )),
                     };
                     self.diagnose(message);
@@ -267,8 +267,8 @@ impl<'a> Reporter<'a, '_> {
         first
     }
 
-    /// Changes of values for a figure: with a share those of one value by every parameter of its analysis, which change by
-    /// this share; otherwise the given ones.
+    /// Changes of values for a figure. With a share, every parameter of the analysis of one value changes by this
+    /// share. Without one, the changes are those given.
     pub(super) fn changes(
         &mut self,
         expr: &'a Expr,
@@ -433,12 +433,9 @@ pub(super) fn derived(member: &Member, parameter: &str, names: bool) -> Member {
 
 /// Indices of the parameters in the `gradients` of an analysis. The check of the analysis reports wrong names.
 fn stated(plan: &AnalysisPlan, known: &[&str]) -> Vec<usize> {
-    match &plan.analysis.kind {
-        AnalysisKind::Transient(transient) => Names::Parameters
-            .indices(&transient.gradients, known)
-            .unwrap_or_default(),
-        _ => Vec::new(),
-    }
+    let stated = plan.analysis.kind.gradients();
+    let found = stated.and_then(|stated| Names::Parameters.indices(stated, known).ok());
+    found.unwrap_or_default()
 }
 
 /// Indices of the parameters with a path, in which `[*]` stands for every index.

@@ -3,7 +3,7 @@
 //! The check comes after the elaboration of all models. So a report can name every recorded channel with its
 //! indices, and no other. Lists are expanded here, so later stages get single channels.
 //!
-//! May contain: names, types, constants. Must not contain: results.
+//! This module contains names, types and constants. It must not contain results.
 
 mod axes;
 mod channel;
@@ -15,7 +15,7 @@ mod settings;
 mod value;
 
 use super::Checker;
-use super::scope::Scope;
+use super::scope::{Scope, value_circle};
 use super::signal::Shape;
 use super::types::Quantity;
 use crate::codes;
@@ -399,11 +399,7 @@ impl<'a> Reporter<'a, '_> {
         match state {
             Named::Done(typed) => typed,
             Named::Busy => {
-                self.diagnose(
-                    Diagnostic::error(codes::VALUE_CIRCLE, "values are defined by each other")
-                        .at(span, "this value depends on itself")
-                        .with_help("the order of items does not matter, but no value may follow from itself"),
-                );
+                self.diagnose(value_circle(span));
                 self.names.insert(known.0, (known.1, Named::Done(None)));
                 None
             }

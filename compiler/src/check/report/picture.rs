@@ -149,8 +149,8 @@ impl<'a> Reporter<'a, '_> {
         Some(())
     }
 
-    /// The run whose samples a signal has, and their number as the analysis states it: one at the start, and one at
-    /// the end also if the last distance is shorter.
+    /// The run whose samples a signal has, and the number of samples as the analysis states it. There is one at the
+    /// start and one at the end, also if the last distance is shorter.
     fn samples<'e>(&self, signal: &'e Expression) -> Option<(&'e str, f64)> {
         let run = run_of(signal)?;
         let (sample, duration) = self.models.plan(run)?.analysis.kind.sampling()?;

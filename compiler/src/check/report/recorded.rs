@@ -6,9 +6,8 @@ use crate::models::{SharedModel, SharedModels};
 use crate::program::DefinitionId;
 use crate::typed::TypedProgram;
 use eng_grammar::{Diagnostics, SourceMap};
-use eng_system::analysis::AnalysisKind;
 use eng_system::host::Host;
-use eng_system::recorded::{Recorded, of_modes, of_motion, of_response, recorded};
+use eng_system::recorded::{Recorded, of_kind, of_modes, recorded};
 use eng_system::system::System;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -40,17 +39,9 @@ impl Channels {
         &self.model.elaborated.system
     }
 
-    /// The columns of an analysis whose kind has columns of its own: a frequency response or a kinematic analysis.
-    /// None of a response whose input or outputs have a mistake.
+    /// The columns of an analysis whose kind has columns of its own.
     pub fn own(&self, plan: &AnalysisPlan) -> Option<Rc<[Recorded]>> {
-        let columns = match &plan.analysis.kind {
-            AnalysisKind::Response(response) => {
-                of_response(self.system(), response).unwrap_or_default()
-            }
-            AnalysisKind::Kinematic(_) => of_motion(self.system()),
-            _ => return None,
-        };
-        Some(columns.into())
+        of_kind(self.system(), &plan.analysis.kind).map(Into::into)
     }
 
     /// The path of the marker along whose axes a component is recorded.

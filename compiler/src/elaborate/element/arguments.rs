@@ -156,7 +156,7 @@ impl<'a> Elaborator<'a, '_> {
             .iter()
             .position(|p| p.origin.path == parameter_path);
         if let Some(index) = known {
-            let node = self.bench.bind.graph.input(index as u32);
+            let node = self.graphs.bind.graph.input(index as u32);
             return Ok(Value::Scalar(Scalar {
                 stage: Stage::Bind,
                 node,
@@ -182,8 +182,8 @@ impl<'a> Elaborator<'a, '_> {
         Ok(self.read_as(value, &ty))
     }
 
-    /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. The
-    /// text of an interface may use a name of its class only if it requires it.
+    /// Links the scopes of the texts of a class or record. A younger text sees all names of the elder ones. The text
+    /// of an interface may use a name of its class only if the interface requires this name.
     pub(super) fn link(&mut self, texts: &Texts<'a>) {
         for (younger, (_, scope)) in texts.iter().enumerate() {
             for (_, elder) in texts.iter().take(younger).rev() {

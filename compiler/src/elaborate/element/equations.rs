@@ -1,6 +1,6 @@
 //! The statements of a class: states, conditions, constraints, loads.
 
-use super::super::requirement::{Asked, Message, Part};
+use super::super::requirement::{Message, Part, Requirement};
 use super::super::scalar::{Flag, PROVISIONAL, RowDraft, Scalar, Stage, StateDraft};
 use super::super::value::{ScopeId, Value};
 use super::super::{Check, Elaborator, Entry, Eval, MessagePart as CheckPart, Reported, location};
@@ -40,7 +40,7 @@ impl<'a> Elaborator<'a, '_> {
             let place = b.ty.as_ref().map_or(start.span, |ty| ty.span);
             let dimension = self.dimension_at(place, own)?;
             let scale = self.state_scale(b, node, own, path, used_at)?;
-            let Some(element) = self.bench.element.as_mut() else {
+            let Some(element) = self.graphs.element.as_mut() else {
                 return Err(Reported);
             };
             let index = element.states.len() as u32;
@@ -97,17 +97,17 @@ impl<'a> Elaborator<'a, '_> {
                 let message = format!(
                     "the state `{name}` starts at zero and has no scale; state the size from which it matters after its start: `… scale …`"
                 );
-                (self.bench.bind.graph.abs(start), span, message)
+                (self.graphs.bind.graph.abs(start), span, message)
             }
         };
-        let graph = &mut self.bench.bind.graph;
+        let graph = &mut self.graphs.bind.graph;
         if graph.as_constant(node).is_none_or(|size| size <= 0.0) {
             let zero = graph.constant(0.0);
             let flag = Flag {
                 stage: Stage::Bind,
                 node: graph.less(zero, node),
             };
-            let holds = self.bench.flag_number(flag);
+            let holds = self.graphs.flag_number(flag);
             self.draft.checks.push(Check {
                 holds,
                 advise: false,
@@ -159,14 +159,14 @@ impl<'a> Elaborator<'a, '_> {
                     condition,
                     message,
                 } => {
-                    let asked = Asked {
+                    let requirement = Requirement {
                         advise: *advise,
                         name: name.as_ref(),
                         condition,
                         message,
                     };
                     self.for_each(index, scope, &mut |e, inner, _| {
-                        e.required(asked, (inner, path, used_at), draft)
+                        e.required(requirement, (inner, path, used_at), draft)
                     })?;
                 }
                 // read before and after the equations
@@ -178,8 +178,8 @@ impl<'a> Elaborator<'a, '_> {
                     let v = self.evaluate(value, scope)?;
                     let s = self.as_scalar(v, value.span)?;
                     self.refuse_readings(&[s], value.span)?;
-                    let node = self.bench.lift(s.stage, s.node);
-                    let states = self.bench.element.iter_mut().flat_map(|e| &mut e.states);
+                    let node = self.graphs.lift(s.stage, s.node);
+                    let states = self.graphs.element.iter_mut().flat_map(|e| &mut e.states);
                     if let Some(draft) = states.into_iter().find(|d| d.name == state.text) {
                         draft.rate = Some(node);
                     }
@@ -195,24 +195,24 @@ impl<'a> Elaborator<'a, '_> {
     /// A `require` or `advise` of an element: one of the motion becomes a condition of it.
     fn required(
         &mut self,
-        asked: Asked<'a>,
+        requirement: Requirement<'a>,
         (scope, path, used_at): (ScopeId, &str, Option<Location>),
         draft: &mut Draft,
     ) -> Eval<()> {
-        if let Some((flag, message)) = self.requirement(asked, scope, path, used_at)? {
-            let kind = if asked.advise {
+        if let Some((flag, message)) = self.requirement(requirement, scope, path, used_at)? {
+            let kind = if requirement.advise {
                 ConditionKind::Advise
             } else {
                 ConditionKind::Require
             };
-            let name = asked.name.map_or("", |name| &name.text);
-            self.condition(flag, kind, name, message, asked.condition.span, draft);
+            let name = requirement.name.map_or("", |name| &name.text);
+            self.condition(flag, kind, name, message, requirement.condition.span, draft);
         }
         Ok(())
     }
 
-    /// The lengths that positions at the markers of an element must resolve. They are read after its
-    /// equations, so that a message of its own about the same number comes first.
+    /// The lengths that positions at the markers of an element must resolve. They are read after the equations, so
+    /// that the element's own message about the same number comes first.
     pub(super) fn resolutions(
         &mut self,
         items: &'a [ast::Item],
@@ -227,12 +227,12 @@ impl<'a> Elaborator<'a, '_> {
             let value = self.evaluate(length, scope)?;
             let number = self.as_scalar(value, length.span)?;
             let node = self.bind_node(number, length.span)?;
-            let zero = self.bench.bind.graph.constant(0.0);
+            let zero = self.graphs.bind.graph.constant(0.0);
             let positive = Flag {
                 stage: Stage::Bind,
-                node: self.bench.bind.graph.less(zero, node),
+                node: self.graphs.bind.graph.less(zero, node),
             };
-            let holds = self.bench.flag_number(positive);
+            let holds = self.graphs.flag_number(positive);
             let display = self.usual_unit(Dimension::LENGTH);
             self.draft.checks.push(Check {
                 holds,
@@ -255,7 +255,7 @@ impl<'a> Elaborator<'a, '_> {
                 },
                 length: slot,
             });
-            if let Some(element) = self.bench.element.as_mut() {
+            if let Some(element) = self.graphs.element.as_mut() {
                 element.resolves.push(node);
             }
         }
@@ -283,7 +283,7 @@ impl<'a> Elaborator<'a, '_> {
                 None => None,
             };
             let [moving, on] = markers;
-            if let Some(element) = self.bench.element.as_mut() {
+            if let Some(element) = self.graphs.element.as_mut() {
                 element.places.push((moving, on, height));
             }
         }
@@ -299,8 +299,8 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         draft: &mut Draft,
     ) {
-        let lifted = self.bench.lift_flag(flag);
-        let Some(element) = self.bench.element.as_mut() else {
+        let lifted = self.graphs.lift_flag(flag);
+        let Some(element) = self.graphs.element.as_mut() else {
             return;
         };
         if kind == ConditionKind::Stop {
@@ -327,7 +327,7 @@ impl<'a> Elaborator<'a, '_> {
                         dimension: None,
                         defined_at: Some(location(span)),
                     };
-                    shown.push((self.bench.lift(value.stage, value.node), entry));
+                    shown.push((self.graphs.lift(value.stage, value.node), entry));
                     next += 1;
                     MessagePart::Value {
                         index: next - 1,
@@ -391,7 +391,7 @@ impl<'a> Elaborator<'a, '_> {
             dimension = self.dimension_at(right.span, scope)?;
         }
         for (i, (p, q)) in x.into_iter().zip(y).enumerate() {
-            let difference = self.bench.subtract(p, q);
+            let difference = self.graphs.subtract(p, q);
             let text = if several {
                 format!("{text} ({})", ["x", "y", "z"].get(i).unwrap_or(&"…"))
             } else {
@@ -419,7 +419,7 @@ impl<'a> Elaborator<'a, '_> {
                 .with_help("write a condition on parameters as `require`"),
             ));
         }
-        let Some(element) = self.bench.element.as_mut() else {
+        let Some(element) = self.graphs.element.as_mut() else {
             return Err(Reported);
         };
         if element.rows.len() as u32 >= PROVISIONAL.rows {
@@ -465,10 +465,10 @@ impl<'a> Elaborator<'a, '_> {
             }
             None => None,
         };
-        if let Some(element) = self.bench.element.as_mut() {
+        if let Some(element) = self.graphs.element.as_mut() {
             element.applied.push((a, b));
         }
-        let back = v.map(|s| self.bench.negate(s));
+        let back = v.map(|s| self.graphs.negate(s));
         if torque {
             let on_axes = self.along_axes(a, &v);
             self.add_load(a, None, Some(on_axes));
@@ -481,8 +481,8 @@ impl<'a> Elaborator<'a, '_> {
             if let Some(b) = b {
                 let xa = self.marker_origin(a);
                 let xb = self.marker_origin(b);
-                let arm = [0, 1, 2].map(|i| self.bench.subtract(xa[i], xb[i]));
-                let moment = self.bench.cross(&arm, &back);
+                let arm = [0, 1, 2].map(|i| self.graphs.subtract(xa[i], xb[i]));
+                let moment = self.graphs.cross(&arm, &back);
                 let moment_axes = self.along_axes(b, &moment);
                 self.add_load(b, Some(back), Some(moment_axes));
             }
@@ -497,11 +497,11 @@ impl<'a> Elaborator<'a, '_> {
         torque: Option<[Scalar; 3]>,
     ) {
         let lift = |e: &mut Self, v: Option<[Scalar; 3]>| {
-            v.map(|v| v.map(|s| e.bench.lift(s.stage, s.node)))
+            v.map(|v| v.map(|s| e.graphs.lift(s.stage, s.node)))
         };
         let force = lift(self, force);
         let torque = lift(self, torque);
-        let Some(element) = self.bench.element.as_mut() else {
+        let Some(element) = self.graphs.element.as_mut() else {
             return;
         };
         let zero = element.graph.constant(0.0);

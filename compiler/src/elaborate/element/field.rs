@@ -57,7 +57,7 @@ impl<'a> Elaborator<'a, '_> {
             let given = arguments.get(argument.name);
             self.argument_of_field(argument, given, (call.span, scope), &mut draft)?;
         }
-        let Some(element) = self.bench.element.as_mut() else {
+        let Some(element) = self.graphs.element.as_mut() else {
             return self.checked(None, call.span, "a field outside of an element");
         };
         let layout = element.layout();
@@ -75,9 +75,9 @@ impl<'a> Elaborator<'a, '_> {
         self.results_of_field(binding, kernel, [answers, readings])
     }
 
-    /// Refuses readings of fields where their derivatives matter: a kernel has those of its answers alone.
+    /// Refuses readings of fields where derivatives matter: a kernel gives derivatives of its answers alone.
     pub(super) fn refuse_readings(&mut self, numbers: &[Scalar], span: Span) -> Eval<()> {
-        let Some(element) = self.bench.element.as_ref() else {
+        let Some(element) = self.graphs.element.as_ref() else {
             return Ok(());
         };
         let nodes: Vec<Node> = (numbers.iter())
@@ -101,7 +101,7 @@ impl<'a> Elaborator<'a, '_> {
 
     /// Refuses a branch that depends on a field: the assembly chooses branches before fields are solved.
     pub(super) fn refuse_branch_by_field(&mut self, flag: Flag, span: Span) -> Eval<()> {
-        let Some(element) = self.bench.element.as_ref() else {
+        let Some(element) = self.graphs.element.as_ref() else {
             return Ok(());
         };
         let moves = flag.stage == Stage::Motion;
@@ -162,7 +162,7 @@ impl<'a> Elaborator<'a, '_> {
                 let numbers = self.numbers_of_field(given, count, scope)?;
                 self.refuse_readings(&numbers, given.map_or(call, |given| given.span))?;
                 for number in numbers {
-                    let node = self.bench.lift(number.stage, number.node);
+                    let node = self.graphs.lift(number.stage, number.node);
                     draft.drives.push(node);
                 }
             }
@@ -225,7 +225,7 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<Vec<Scalar>> {
         let Some(given) = given else {
-            return Ok((0..count).map(|_| self.bench.constant(0.0)).collect());
+            return Ok((0..count).map(|_| self.graphs.constant(0.0)).collect());
         };
         let value = self.evaluate(given, scope)?;
         let numbers = match value.is_several() {
@@ -276,7 +276,7 @@ impl<'a> Elaborator<'a, '_> {
                     true => PROVISIONAL.answer(answers + k),
                     false => PROVISIONAL.reading(readings + k),
                 };
-                let Some(element) = self.bench.element.as_mut() else {
+                let Some(element) = self.graphs.element.as_mut() else {
                     return self.checked(None, place, "a field outside of an element");
                 };
                 values.push(Value::Scalar(Scalar {

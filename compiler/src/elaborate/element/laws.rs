@@ -1,8 +1,9 @@
 //! Elements whose class fills an interface that the results use: film laws, the gas in a cylinder, and the interfaces
 //! with summaries.
 //!
-//! Rust names no member of an interface. The first marker of an interface moves, the second is its reference; other
-//! members are known by their types, and the clearance of a film is the length that its interface resolves.
+//! This code names no member of an interface. The first marker of an interface moves, and the second is its
+//! reference. The other members are known by their types. The clearance of a film is the length that its interface
+//! resolves.
 
 use super::super::scalar::Stage;
 use super::super::value::{ScopeId, Value};
@@ -209,8 +210,8 @@ impl<'a> Elaborator<'a, '_> {
         Some(draft.first_channel + shape.first)
     }
 
-    /// The summary that the outputs of the eldest interface with one give, and the values of the parameters of
-    /// this interface.
+    /// The summary of a class, and the values of the parameters of its interface. The interface is the eldest one
+    /// with outputs that have a summary.
     fn summary_of(
         &mut self,
         class: &Class<'a>,

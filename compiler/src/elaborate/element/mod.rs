@@ -191,7 +191,7 @@ impl<'a> Elaborator<'a, '_> {
         self.instances_of(declaration, scope, &mut |e, inner, position| {
             let path = format!("{base}{}", index_text(position));
             let element = e.element(declaration, value, block, inner, path);
-            e.bench.element = None;
+            e.graphs.element = None;
             Ok(Value::Element(element?))
         })
     }
@@ -206,8 +206,8 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<u32> {
         self.count_instance(declaration.name.span)?;
         let (class, given) = self.class_used(declaration, value, scope)?;
-        self.bench.element = Some(ElementBuilder::default());
-        self.bench.bind.owner.clone_from(&path);
+        self.graphs.element = Some(ElementBuilder::default());
+        self.graphs.bind.owner.clone_from(&path);
         let bound = self.bind_arguments(&class, &given, &path)?;
         let place = declaration.name.span;
         self.used_at(place, |e| {
@@ -225,9 +225,9 @@ impl<'a> Elaborator<'a, '_> {
         path: String,
         span: Span,
     ) -> Eval<u32> {
-        self.bench.element = Some(ElementBuilder::default());
+        self.graphs.element = Some(ElementBuilder::default());
         self.context.rates = None;
-        self.bench.bind.owner.clone_from(&path);
+        self.graphs.bind.owner.clone_from(&path);
         let used_at = Some(location(span));
         if let Some(block) = block {
             self.accepted_in(&block.items, &path);
@@ -262,7 +262,7 @@ impl<'a> Elaborator<'a, '_> {
             self.equations(&b.items, use_scope, &path, used_at, &mut draft)?;
         }
         let missing = self
-            .bench
+            .graphs
             .element
             .as_ref()
             .and_then(|e| e.states.iter().find(|s| s.rate.is_none()))
@@ -271,7 +271,7 @@ impl<'a> Elaborator<'a, '_> {
             let span = class.declaration.name.span;
             return self.checked(None, span, &format!("state `{state}` has no rate"));
         }
-        if let Some(element) = self.bench.element.as_mut() {
+        if let Some(element) = self.graphs.element.as_mut() {
             let zero = element.graph.constant(0.0);
             let mut rates: Vec<Node> = element.states.iter().filter_map(|s| s.rate).collect();
             rates.resize(PROVISIONAL.states as usize, zero);
@@ -289,7 +289,7 @@ impl<'a> Elaborator<'a, '_> {
         self.context.in_output = false;
         self.context.rates = None;
         outputs?;
-        self.asked(&mut draft);
+        self.call_conditions(&mut draft);
         let known = self.by_interface(class, &class_scope)?;
         for (items, scope) in texts {
             self.resolutions(items, *scope, &path, used_at)?;
@@ -313,24 +313,24 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     /// Adds the conditions of the functions that the element has called.
-    pub fn asked(&mut self, draft: &mut Draft) {
-        let asked = self
-            .bench
+    pub fn call_conditions(&mut self, draft: &mut Draft) {
+        let conditions = self
+            .graphs
             .element
             .as_mut()
-            .map(|element| std::mem::take(&mut element.asked));
-        for asked in asked.into_iter().flatten() {
-            let kind = if asked.advise {
+            .map(|element| std::mem::take(&mut element.call_conditions));
+        for condition in conditions.into_iter().flatten() {
+            let kind = if condition.advise {
                 ConditionKind::Advise
             } else {
                 ConditionKind::Require
             };
             self.condition(
-                asked.flag,
+                condition.flag,
                 kind,
-                &asked.name,
-                asked.message,
-                asked.span,
+                &condition.name,
+                condition.message,
+                condition.span,
                 draft,
             );
         }

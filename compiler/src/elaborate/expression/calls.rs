@@ -3,7 +3,7 @@
 use super::super::partial::{Passed, all_arguments, joined};
 use super::super::requirement::Part;
 use super::super::scalar::{Flag, Scalar, Stage};
-use super::super::slope::Asked;
+use super::super::slope::Differentiated;
 use super::super::value::{BoundClass, ScopeId, TableValue, Value};
 use super::super::{Elaborator, Entry, Eval, Lazy};
 use crate::codes;
@@ -92,14 +92,15 @@ impl<'a> Elaborator<'a, '_> {
                 match partial.order {
                     0 => self.apply(&partial.function, passed, call, caller),
                     order => {
-                        let asked = Asked {
+                        let differentiated = Differentiated {
                             function: &partial.function,
                             call,
                             scope: caller,
                         };
                         let x = self.checked(passed.into_iter().next(), call, "no argument")?;
                         let x = self.as_scalar(x.value, x.span)?;
-                        self.derivative(&asked, x, order).map(Value::Scalar)
+                        self.derivative(&differentiated, x, order)
+                            .map(Value::Scalar)
                     }
                 }
             }
@@ -140,7 +141,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         let all: Option<Vec<Scalar>> = given.into_iter().collect();
         let all = self.checked(all, call, "an argument of a table is missing")?;
-        Ok(self.bench.table(table.handle, &all))
+        Ok(self.graphs.table(table.handle, &all))
     }
 
     /// Calls a function of the text with values for the parameters at given places.
@@ -226,10 +227,10 @@ impl<'a> Elaborator<'a, '_> {
         if self.context.unknowns > 0 {
             return Ok(());
         }
-        let path = self.bench.bind.owner.clone();
+        let path = self.graphs.bind.owner.clone();
         let name = requirement.name.as_ref();
         let found = self.requirement(
-            super::super::requirement::Asked {
+            super::super::requirement::Requirement {
                 advise: requirement.advise,
                 name,
                 condition: &requirement.condition,
@@ -242,32 +243,36 @@ impl<'a> Elaborator<'a, '_> {
         let Some((flag, message)) = found else {
             return Ok(());
         };
-        let asked = super::super::scalar::Asked {
+        let condition = super::super::scalar::CallCondition {
             advise: requirement.advise,
             name: name.map_or(String::new(), |name| name.text.clone()),
             flag,
             message,
             span: requirement.condition.span,
         };
-        self.watched(asked, call)
+        self.watched(condition, call)
     }
 
     /// Adds a condition of a call to the element, which watches it at every step.
     pub(in crate::elaborate) fn watched(
         &mut self,
-        asked: super::super::scalar::Asked,
+        condition: super::super::scalar::CallCondition,
         call: Span,
     ) -> Eval<()> {
-        let values = asked.message.parts.iter().filter_map(|part| match part {
-            Part::Value { value, .. } => Some((value.stage, value.node)),
-            Part::Text(_) => None,
-        });
-        let seen: Vec<Node> = std::iter::once((asked.flag.stage, asked.flag.node))
+        let values = condition
+            .message
+            .parts
+            .iter()
+            .filter_map(|part| match part {
+                Part::Value { value, .. } => Some((value.stage, value.node)),
+                Part::Text(_) => None,
+            });
+        let seen: Vec<Node> = std::iter::once((condition.flag.stage, condition.flag.node))
             .chain(values)
             .filter(|(stage, _)| *stage == Stage::Motion)
             .map(|(_, node)| node)
             .collect();
-        if let Some(element) = self.bench.element.as_mut() {
+        if let Some(element) = self.graphs.element.as_mut() {
             if crate::ir::differentiate::known_in_outputs_only(
                 &element.graph,
                 &seen,
@@ -279,11 +284,11 @@ impl<'a> Elaborator<'a, '_> {
                         "the `require` of this function reads a value that can be used in outputs only",
                     )
                     .at(call, "its condition reads an acceleration, a reaction or an output of another element")
-                    .also(asked.span, "its condition is watched at every step")
+                    .also(condition.span, "its condition is watched at every step")
                     .with_help("use a function without `require`; if the value is an output of another element, call this function in the class of that element"),
                 ));
             }
-            element.asked.push(asked);
+            element.call_conditions.push(condition);
         }
         Ok(())
     }

@@ -32,7 +32,7 @@ impl<'a> Elaborator<'a, '_> {
                 }
             }
             (Truth::Later(f), Truth::Later(g)) => {
-                Value::Flag(self.bench.logic(f, g, if and { Op::And } else { Op::Or }))
+                Value::Flag(self.graphs.logic(f, g, if and { Op::And } else { Op::Or }))
             }
         })
     }
@@ -60,19 +60,19 @@ impl<'a> Elaborator<'a, '_> {
         let x = self.as_scalar(a, a_span)?;
         let y = self.as_scalar(b, b_span)?;
         let flag = match op {
-            B::Less => self.bench.compare(x, y, Graph::less),
-            B::Greater => self.bench.compare(y, x, Graph::less),
-            B::LessEqual => self.bench.compare(x, y, Graph::less_equal),
-            B::GreaterEqual => self.bench.compare(y, x, Graph::less_equal),
-            _ => self.bench.compare(x, y, |g, a, b| g.push(Op::Equal(a, b))),
+            B::Less => self.graphs.compare(x, y, Graph::less),
+            B::Greater => self.graphs.compare(y, x, Graph::less),
+            B::LessEqual => self.graphs.compare(x, y, Graph::less_equal),
+            B::GreaterEqual => self.graphs.compare(y, x, Graph::less_equal),
+            _ => self.graphs.compare(x, y, |g, a, b| g.push(Op::Equal(a, b))),
         };
-        let truth = match self.bench.known_flag(flag) {
+        let truth = match self.graphs.known_flag(flag) {
             Some(known) => Value::Bool(known),
             None => Value::Flag(flag),
         };
         Ok(match (op, truth) {
             (B::NotEqual, Value::Bool(b)) => Value::Bool(!b),
-            (B::NotEqual, Value::Flag(f)) => Value::Flag(self.bench.not(f)),
+            (B::NotEqual, Value::Flag(f)) => Value::Flag(self.graphs.not(f)),
             (_, truth) => truth,
         })
     }
@@ -93,31 +93,22 @@ impl<'a> Elaborator<'a, '_> {
             ));
         }
         if a.is_several() || b.is_several() {
-            let (x, p) = self.sorted(a, a_span)?;
-            let (y, q) = self.sorted(b, b_span)?;
-            if x.len() != y.len() {
-                return Err(self.lengths(x.len(), a_span, y.len(), b_span));
-            }
-            let sort = self.together((p, a_span), (q, b_span))?;
-            let chosen = x
-                .into_iter()
-                .zip(y)
-                .map(|(x, y)| self.bench.select(flag, x, y))
-                .collect();
-            return Ok(Self::of_sort(chosen, sort));
+            return self.pairwise((a, a_span), (b, b_span), |e, x, y| {
+                e.graphs.select(flag, x, y)
+            });
         }
         if [&a, &b]
             .iter()
             .all(|side| matches!(side, Value::Bool(_) | Value::Flag(_)))
         {
-            let other = Value::Flag(self.bench.not(flag));
+            let other = Value::Flag(self.graphs.not(flag));
             let then = self.logic(BinaryOp::And, Value::Flag(flag), a, a_span, a_span)?;
             let otherwise = self.logic(BinaryOp::And, other, b, b_span, b_span)?;
             return self.logic(BinaryOp::Or, then, otherwise, a_span, b_span);
         }
         let x = self.as_scalar(a, a_span)?;
         let y = self.as_scalar(b, b_span)?;
-        Ok(Value::Scalar(self.bench.select(flag, x, y)))
+        Ok(Value::Scalar(self.graphs.select(flag, x, y)))
     }
 
     /// Keeps the text and the dimension of an operation that may have a kink: `of` is an expression with the
@@ -132,14 +123,14 @@ impl<'a> Elaborator<'a, '_> {
         scope: ScopeId,
     ) -> Eval<()> {
         // a number that cannot change has no kink
-        if stage == Stage::Bind && self.bench.bind.graph.as_constant(node).is_some() {
+        if stage == Stage::Bind && self.graphs.bind.graph.as_constant(node).is_some() {
             return Ok(());
         }
         let dimension = Some(self.dimension_at(of, scope)?);
         let text_as_written = self.sources.text(text).to_owned();
         let kinks = match stage {
-            Stage::Bind => Some(&mut self.bench.bind.kinks),
-            Stage::Motion => self.bench.element.as_mut().map(|e| &mut e.kinks),
+            Stage::Bind => Some(&mut self.graphs.bind.kinks),
+            Stage::Motion => self.graphs.element.as_mut().map(|e| &mut e.kinks),
         };
         if let Some(kinks) = kinks {
             // the first text of an operation counts: later uses of the same operation share it

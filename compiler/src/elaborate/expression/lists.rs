@@ -31,7 +31,7 @@ impl<'a> Elaborator<'a, '_> {
             }
             // 128 bits, because the difference of two 64-bit numbers can overflow
             let (a, b, by) = (i128::from(*a), i128::from(*b), i128::from(by));
-            if (b - a) / by > LONGEST as i128 {
+            if (b - a) / by > LONGEST_LIST as i128 {
                 return Err(self.long_range(span, &too_long()));
             }
             let mut values = Vec::new();
@@ -67,12 +67,12 @@ impl<'a> Elaborator<'a, '_> {
         if count < 0.0 {
             return Err(self.wrong_step(span, "its step leads away from its end"));
         }
-        if !(0.0..LONGEST as f64).contains(&count) {
+        if !(0.0..LONGEST_LIST as f64).contains(&count) {
             return Err(self.long_range(span, &too_long()));
         }
         Ok(Value::List(
             (0..=count as usize)
-                .map(|i| Value::Scalar(self.bench.constant(a_value + i as f64 * by_value)))
+                .map(|i| Value::Scalar(self.graphs.constant(a_value + i as f64 * by_value)))
                 .collect(),
         ))
     }
@@ -89,20 +89,14 @@ impl<'a> Elaborator<'a, '_> {
     }
 
     pub(super) fn long_range(&mut self, span: Span, why: &str) -> super::super::Reported {
-        self.report(
-            Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long").at(span, why),
-        )
+        self.report(endless_range(span, why))
     }
 
     /// Reports a range whose step does not reach its end.
     fn wrong_step(&mut self, span: Span, why: &str) -> super::super::Reported {
-        self.report(
-            Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long")
-                .at(span, why)
-                .with_help(
-                    "state a positive step to a larger end, or a negative step to a smaller end",
-                ),
-        )
+        self.report(endless_range(span, why).with_help(
+            "state a positive step to a larger end, or a negative step to a smaller end",
+        ))
     }
 
     /// The elements of a list or family. A range, a list of numbers or `*` selects several; the indices after
@@ -255,12 +249,12 @@ fn all_places(value: &Value<'_>) -> Vec<i64> {
     }
 }
 
-/// Longest list or range. A choice: each element of it may become an instance, and more are a mistake in a
-/// step.
-const LONGEST: usize = 100_000;
+/// Longest list or range. A choice: each element of it may become an instance, and a longer one is mostly a mistake
+/// in its step.
+const LONGEST_LIST: usize = 100_000;
 
 fn too_long() -> String {
-    format!("more than {LONGEST} values")
+    format!("more than {LONGEST_LIST} values")
 }
 
 /// The existing indices as text. A long list is shortened.
@@ -278,4 +272,8 @@ fn known_indices(shown: &[String]) -> String {
         }
         _ => format!("there are: {}", distinct.join(", ")),
     }
+}
+
+fn endless_range(span: Span, why: &str) -> Diagnostic {
+    Diagnostic::error(codes::LONG_RANGE, "this range is endless or too long").at(span, why)
 }

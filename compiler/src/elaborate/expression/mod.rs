@@ -14,6 +14,13 @@ use crate::codes;
 use eng_grammar::ast::{self, Expr, ExprKind, UnaryOp};
 use eng_grammar::{Diagnostic, Span};
 
+/// The error for a value that a change of parameters may not change.
+pub(super) fn not_constant(span: Span, label: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(codes::NOT_KNOWN, "this value must be a constant")
+        .at(span, label)
+        .with_help("make the parameter a `const`: a change then compiles again")
+}
+
 impl<'a> Elaborator<'a, '_> {
     /// The value of an expression. A family becomes the list of its members.
     pub fn evaluate(&mut self, expr: &'a Expr, scope: ScopeId) -> Eval<Value<'a>> {
@@ -95,7 +102,7 @@ impl<'a> Elaborator<'a, '_> {
                     UnaryOp::Negate => self.negate(value, operand.span),
                     UnaryOp::Not => match self.read(value, operand.span)? {
                         Truth::Known(known) => Ok(Value::Bool(!known)),
-                        Truth::Later(flag) => Ok(Value::Flag(self.bench.not(flag))),
+                        Truth::Later(flag) => Ok(Value::Flag(self.graphs.not(flag))),
                     },
                 }
             }
@@ -121,7 +128,7 @@ impl<'a> Elaborator<'a, '_> {
                 (_, None) => self.checked(None, expr.span, "no case holds"),
                 (Truth::Later(flag), Some(otherwise)) => {
                     let a = self.guarded(flag, |e| e.evaluate(then, scope))?;
-                    let not = self.bench.not(flag);
+                    let not = self.graphs.not(flag);
                     let b = self.guarded(not, |e| e.evaluate(otherwise, scope))?;
                     self.select(flag, a, b, then.span, otherwise.span)
                 }
@@ -132,13 +139,12 @@ impl<'a> Elaborator<'a, '_> {
 
     /// A number that is known while compiling.
     pub fn structural(&mut self, value: Scalar, span: Span) -> Eval<f64> {
-        match self.bench.known(value) {
+        match self.graphs.known(value) {
             Some(v) => Ok(v),
-            None => Err(self.report(
-                Diagnostic::error(codes::NOT_KNOWN, "this value must be a constant")
-                    .at(span, "depends on a `param` or on the motion")
-                    .with_help("make the parameter a `const`: a change then compiles again"),
-            )),
+            None => {
+                let label = "depends on a `param` or on the motion";
+                Err(self.report(not_constant(span, label)))
+            }
         }
     }
 
@@ -150,10 +156,10 @@ impl<'a> Elaborator<'a, '_> {
     /// The SI value of a literal.
     pub fn number(&mut self, value: f64, unit: Option<&ast::UnitExpr>) -> Eval<Scalar> {
         match unit {
-            None => Ok(self.bench.constant(value)),
+            None => Ok(self.graphs.constant(value)),
             Some(unit) => {
                 let unit = self.unit(unit)?;
-                Ok(self.bench.constant(value * unit.scale + unit.offset))
+                Ok(self.graphs.constant(value * unit.scale + unit.offset))
             }
         }
     }
@@ -182,11 +188,11 @@ impl<'a> Elaborator<'a, '_> {
         }
         let unit = self.unit(unit_expr)?;
         let number = self.as_scalar(value, span)?;
-        let scale = self.bench.constant(unit.scale);
-        let mut scaled = self.bench.multiply(number, scale);
+        let scale = self.graphs.constant(unit.scale);
+        let mut scaled = self.graphs.multiply(number, scale);
         if unit.offset != 0.0 {
-            let offset = self.bench.constant(unit.offset);
-            scaled = self.bench.add(scaled, offset);
+            let offset = self.graphs.constant(unit.offset);
+            scaled = self.graphs.add(scaled, offset);
         }
         Ok(Value::Scalar(scaled))
     }
@@ -194,7 +200,7 @@ impl<'a> Elaborator<'a, '_> {
     pub fn as_scalar(&mut self, value: Value<'a>, span: Span) -> Eval<Scalar> {
         match value {
             Value::Scalar(s) => Ok(s),
-            Value::Int(i) => Ok(self.bench.constant(i as f64)),
+            Value::Int(i) => Ok(self.graphs.constant(i as f64)),
             other => self.read(other, span),
         }
     }

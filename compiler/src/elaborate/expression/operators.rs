@@ -14,12 +14,12 @@ impl<'a> Elaborator<'a, '_> {
             Value::Int(i) => match i.checked_neg() {
                 Some(negative) => Ok(Value::Int(negative)),
                 None => {
-                    let number = self.bench.constant(i as f64);
+                    let number = self.graphs.constant(i as f64);
                     self.negate(Value::Scalar(number), span)
                 }
             },
             v @ (Value::Vector(_) | Value::Shown(_) | Value::Components(..)) => {
-                self.scale(v, span, |e, x| e.bench.negate(x))
+                self.scale(v, span, |e, x| e.graphs.negate(x))
             }
             Value::List(items) => items
                 .into_iter()
@@ -28,7 +28,7 @@ impl<'a> Elaborator<'a, '_> {
                 .map(Value::List),
             other => {
                 let number = self.as_scalar(other, span)?;
-                Ok(Value::Scalar(self.bench.negate(number)))
+                Ok(Value::Scalar(self.graphs.negate(number)))
             }
         }
     }
@@ -67,20 +67,13 @@ impl<'a> Elaborator<'a, '_> {
             B::Add | B::Subtract => {
                 let f = |e: &mut Self, x: Scalar, y: Scalar| {
                     if op == B::Add {
-                        e.bench.add(x, y)
+                        e.graphs.add(x, y)
                     } else {
-                        e.bench.subtract(x, y)
+                        e.graphs.subtract(x, y)
                     }
                 };
                 if a.is_several() || b.is_several() {
-                    let (x, p) = self.sorted(a, a_span)?;
-                    let (y, q) = self.sorted(b, b_span)?;
-                    if x.len() != y.len() {
-                        return Err(self.lengths(x.len(), a_span, y.len(), b_span));
-                    }
-                    let sort = self.together((p, a_span), (q, b_span))?;
-                    let sums = x.into_iter().zip(y).map(|(x, y)| f(self, x, y)).collect();
-                    return Ok(Self::of_sort(sums, sort));
+                    return self.pairwise((a, a_span), (b, b_span), f);
                 }
                 let x = self.as_scalar(a, a_span)?;
                 let y = self.as_scalar(b, b_span)?;
@@ -89,31 +82,31 @@ impl<'a> Elaborator<'a, '_> {
             B::Multiply => match (a, b) {
                 (v, s) if v.is_several() => {
                     let s = self.as_scalar(s, b_span)?;
-                    self.scale(v, a_span, |e, x| e.bench.multiply(x, s))
+                    self.scale(v, a_span, |e, x| e.graphs.multiply(x, s))
                 }
                 (s, v) if v.is_several() => {
                     let s = self.as_scalar(s, a_span)?;
-                    self.scale(v, b_span, |e, x| e.bench.multiply(s, x))
+                    self.scale(v, b_span, |e, x| e.graphs.multiply(s, x))
                 }
                 (x, y) => {
                     let x = self.as_scalar(x, a_span)?;
                     let y = self.as_scalar(y, b_span)?;
-                    Ok(Value::Scalar(self.bench.multiply(x, y)))
+                    Ok(Value::Scalar(self.graphs.multiply(x, y)))
                 }
             },
             B::Divide => {
                 let y = self.as_scalar(b, b_span)?;
-                if self.bench.known(y) == Some(0.0) {
+                if self.graphs.known(y) == Some(0.0) {
                     return Err(self.report(
                         Diagnostic::error(codes::DIVISION_BY_ZERO, "a division by zero")
                             .at(b_span, "this is zero"),
                     ));
                 }
                 match a {
-                    v if v.is_several() => self.scale(v, a_span, |e, x| e.bench.divide(x, y)),
+                    v if v.is_several() => self.scale(v, a_span, |e, x| e.graphs.divide(x, y)),
                     x => {
                         let x = self.as_scalar(x, a_span)?;
-                        Ok(Value::Scalar(self.bench.divide(x, y)))
+                        Ok(Value::Scalar(self.graphs.divide(x, y)))
                     }
                 }
             }
@@ -130,7 +123,7 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<Value<'a>> {
         let x = self.as_scalar(a, a_span)?;
         let y = self.as_scalar(b, b_span)?;
-        Ok(Value::Scalar(self.bench.binary(x, y, Graph::power)))
+        Ok(Value::Scalar(self.graphs.binary(x, y, Graph::power)))
     }
 
     pub(super) fn scale(

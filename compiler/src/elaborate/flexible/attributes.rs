@@ -159,7 +159,7 @@ impl<'a> Elaborator<'a, '_> {
             _ => None,
         };
         let Some(word) = call else {
-            let ratio = self.known_number(value, scope)?;
+            let ratio = self.structural_number(value, scope)?;
             return Ok(Damping::Modal {
                 ratio: not_negative(self, ratio, "the damping ratio")?,
                 up_to: f64::INFINITY,
@@ -168,7 +168,7 @@ impl<'a> Elaborator<'a, '_> {
         let (_, arguments) = self.worded(Place::Damping, value)?;
         let mut number = |name: &str| -> Eval<f64> {
             match argument(word, arguments, name) {
-                Some(expr) => self.known_number(expr, scope),
+                Some(expr) => self.structural_number(expr, scope),
                 None => Err(Reported),
             }
         };

@@ -104,7 +104,7 @@ impl<'a> Elaborator<'a, '_> {
             get(name).map(|x| e.known_vector(x, scope)).transpose()
         };
         let length = |e: &mut Self, name: &str| -> Eval<Option<f64>> {
-            get(name).map(|x| e.known_number(x, scope)).transpose()
+            get(name).map(|x| e.structural_number(x, scope)).transpose()
         };
         let axis = |e: &mut Self, name: &str| -> Eval<[f64; 3]> {
             let expr = e.checked(get(name), value.span, "a place without its axis")?;
@@ -113,7 +113,7 @@ impl<'a> Elaborator<'a, '_> {
         // a length
         let positive = |e: &mut Self, name: &str| -> Eval<f64> {
             let expr = e.checked(get(name), value.span, &format!("a place without `{name}`"))?;
-            let x = e.known_number(expr, scope)?;
+            let x = e.structural_number(expr, scope)?;
             if x > 0.0 && x.is_finite() {
                 return Ok(x);
             }
@@ -190,7 +190,7 @@ impl<'a> Elaborator<'a, '_> {
         let nodes = self.orientation(x, z);
         let mut axes = [0.0; 9];
         for (number, node) in axes.iter_mut().zip(nodes) {
-            *number = match self.bench.bind.graph.as_constant(node) {
+            *number = match self.graphs.bind.graph.as_constant(node) {
                 Some(known) => known,
                 None => {
                     return Err(self.report(

@@ -288,12 +288,6 @@ impl<'a> Elaborator<'a, '_> {
         Ok((self.checked(word, value.span, &what)?, arguments))
     }
 
-    fn known_number(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<f64> {
-        let value = self.evaluate(expr, scope)?;
-        let scalar = self.as_scalar(value, expr.span)?;
-        self.structural(scalar, expr.span)
-    }
-
     fn known_vector(&mut self, expr: &'a ast::Expr, scope: ScopeId) -> Eval<[f64; 3]> {
         let value = self.evaluate(expr, scope)?;
         let v = self.as_vector(value, expr.span)?;
@@ -384,7 +378,7 @@ impl<'a> Elaborator<'a, '_> {
             let bound = names.zip(markers).collect();
             let caller = self.module_scopes[class.definition.module as usize];
             let made = self.element_of_class(&class, bound, None, caller, path, span);
-            self.bench.element = None;
+            self.graphs.element = None;
             let entry = match made {
                 Ok(element) => Entry::Value(Value::Element(element)),
                 Err(_) => Entry::Failed,

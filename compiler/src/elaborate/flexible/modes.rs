@@ -84,7 +84,7 @@ impl<'a> Elaborator<'a, '_> {
         }
         let expr = argument(word, arguments, "up_to");
         let expr = self.checked(expr, span, "neither a number of modes nor a frequency")?;
-        let frequency = self.known_number(expr, scope)?;
+        let frequency = self.structural_number(expr, scope)?;
         if frequency > 0.0 && frequency.is_finite() {
             return Ok(ModeCount::UpTo(frequency));
         }

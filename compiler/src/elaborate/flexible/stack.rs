@@ -22,9 +22,9 @@ impl<'a> Elaborator<'a, '_> {
         let axis = axis.and_then(|axis| AXES.iter().position(|known| *known == axis));
         let axis = self.checked(axis, value.span, "a stack without its axis")?;
         let size = self.checked(get("size"), value.span, "a stack without a size")?;
-        let size = self.known_number(size, scope)?;
+        let size = self.structural_number(size, scope)?;
         let begin = match get("begin") {
-            Some(begin) => self.known_number(begin, scope)?,
+            Some(begin) => self.structural_number(begin, scope)?,
             None => 0.0,
         };
         let listed = self.checked(get("sections"), value.span, "a stack without sections")?;

@@ -49,7 +49,7 @@ pub(super) use quadrilateral::Rotations;
 pub(super) use recovery::shell_stresses;
 
 use self::surface::Geometry;
-use super::check::{list, wrong};
+use super::check::list;
 use super::rules::{MassRule, Spread, spread};
 use super::vector::{Vector, add, cross, dot, norm, scale, subtract};
 use crate::element::{ElementKind, MOST_NODES, Shape};
@@ -391,7 +391,7 @@ fn add_product(factor: f64, p: Vector, q: Vector, block: &mut [[f64; 3]; 3]) {
 
 /// The error for folded or flat shells, with their ids and areas for a unit of the reference domain (m²).
 pub(super) fn folded(faults: &[(u64, f64)]) -> FlexibleError {
-    wrong(
+    FlexibleError::structure(
         format!(
             "{} folded or flat: {}",
             match faults.len() {

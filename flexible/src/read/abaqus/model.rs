@@ -254,7 +254,7 @@ impl Model {
         let Some(step) = step else {
             return Err(whole(
                 file,
-                &format!(
+                format!(
                     "a node or an element has the number {largest}, which is too large for {} instances",
                     self.places.len()
                 ),

@@ -6,7 +6,7 @@ use super::lines::{Row, key};
 use super::model::Model;
 use super::scope::Block;
 use super::shapes::Shape;
-use crate::element::around;
+use crate::element::{around, facets};
 use crate::error::FileProblem;
 use crate::fe::vector::{cross, subtract};
 use crate::mesh::Carries;
@@ -205,23 +205,13 @@ fn face_key(nodes: &[u32], corners: &[usize]) -> FaceKey {
     key
 }
 
-/// The share of a face's area (length²) for each of its nodes. The face is cut into facets between
-/// neighbouring nodes: a triangle at each corner between mid-side nodes, and the remaining polygon. The nodes
-/// of a facet share its area equally. So every share is positive, and the sum is exact for a flat face with
-/// straight edges.
+/// The share of a face's area (length²) for each of its nodes. The nodes of a facet share its area equally. So every share
+/// is positive, and the sum is exact for a flat face with straight edges.
 fn shares(ring: &[(u32, Option<u32>)], place: impl Fn(u32) -> [f64; 3]) -> Vec<(u32, f64)> {
     let mut shares = Vec::new();
-    let mut inner = Vec::new();
-    let mut before = ring.last().and_then(|(_, middle)| *middle);
-    for (corner, middle) in ring {
-        match (before, *middle) {
-            (Some(before), Some(after)) => share(&[before, *corner, after], &place, &mut shares),
-            _ => inner.push(*corner),
-        }
-        inner.extend(*middle);
-        before = *middle;
+    for facet in facets(ring) {
+        share(&facet, &place, &mut shares);
     }
-    share(&inner, &place, &mut shares);
     shares
 }
 

@@ -36,7 +36,9 @@ pub use table::read_dense_matrix;
 
 use super::Files;
 use super::content::{Content, Readable, explained};
-use crate::error::{FileProblem, FlexibleError, Place};
+pub(super) use crate::read::source::whole;
+
+use crate::error::{FileProblem, FlexibleError};
 pub use eng_system::mesh_files::{MatrixFormat, ShapeFormat};
 
 /// The kind of a matrix, for its checks.
@@ -278,17 +280,3 @@ pub(super) const COMPLEX: &str = "write real stiffness and mass: remove structur
 /// The remedy for a file that ends too early.
 pub(super) const CUT: &str =
     "copy or write the file again; it was cut, or the run that wrote it was stopped";
-
-/// A problem of a file as a whole.
-pub(super) fn whole(
-    file: &str,
-    problem: impl Into<String>,
-    advice: impl Into<String>,
-) -> FileProblem {
-    FileProblem {
-        file: file.into(),
-        place: Place::File,
-        problem: problem.into(),
-        advice: advice.into(),
-    }
-}

@@ -82,19 +82,19 @@ pub(super) fn read_by_grids(card: &Card, shape: Shape) -> Result<Vec<SystemCard>
 
 /// A coordinate system placed in the basic one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct System {
+struct CoordinateSystem {
     shape: Shape,
     origin: [f64; 3],
     rotation: Rotation,
 }
 
-const BASIC: System = System {
+const BASIC: CoordinateSystem = CoordinateSystem {
     shape: Shape::Rectangular,
     origin: [0.0; 3],
     rotation: IDENTITY,
 };
 
-impl System {
+impl CoordinateSystem {
     /// The position in the basic frame of a point in this system's coordinates (angles in degrees).
     fn place(&self, x: [f64; 3]) -> [f64; 3] {
         let radians = std::f64::consts::PI / 180.0;
@@ -161,7 +161,7 @@ impl System {
 /// All coordinate systems of a deck.
 #[derive(Debug, Default)]
 pub(super) struct Systems {
-    placed: BTreeMap<u64, System>,
+    placed: BTreeMap<u64, CoordinateSystem>,
 }
 
 impl Systems {
@@ -277,7 +277,7 @@ impl Systems {
             };
             self.placed.insert(
                 card.id,
-                System {
+                CoordinateSystem {
                     shape: card.shape,
                     origin: a,
                     rotation,
@@ -288,7 +288,7 @@ impl Systems {
         Ok(())
     }
 
-    fn find(&self, id: u64) -> Option<System> {
+    fn find(&self, id: u64) -> Option<CoordinateSystem> {
         if id == 0 {
             return Some(BASIC);
         }

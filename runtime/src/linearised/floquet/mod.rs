@@ -104,9 +104,9 @@ fn distance(a: Complex<f64>, b: Complex<f64>) -> f64 {
 fn phase(round: &Round, whole: &DMatrix<f64>) -> Option<f64> {
     let y = round.along();
     let p = round.first.freedoms();
-    let pace = TAU / round.period;
+    let frequency = TAU / round.period;
     let size = |y: &DVector<f64>| {
-        let rates = y.rows(p, p).norm() / pace;
+        let rates = y.rows(p, p).norm() / frequency;
         libm::hypot(y.rows(0, p).norm(), rates)
     };
     let (off, own) = (size(&(whole * &y - &y)), size(&y));

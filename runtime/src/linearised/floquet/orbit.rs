@@ -117,14 +117,14 @@ fn power_of_two(count: f64) -> usize {
 
 /// Step lengths of transient and integration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pace {
+pub(super) struct StepLengths {
     /// The control stated in the analysis.
     pub control: StepControl,
     /// Factor of the default number of steps, a power of two. It does not change a stated step.
     pub finer: usize,
 }
 
-impl Pace {
+impl StepLengths {
     /// Number of integration steps over a time (s) from a state.
     pub fn steps(self, model: &Model, state: &State, time: f64) -> usize {
         match self.control.fixed() {
@@ -138,8 +138,8 @@ impl Pace {
 
     /// Four times as many steps, after a round of `steps` whole steps; `None` for a stated step, or at the
     /// largest number.
-    pub fn refined(self, steps: usize) -> Option<Pace> {
-        (self.control.fixed().is_none() && 2 * steps < MOST).then_some(Pace {
+    pub fn refined(self, steps: usize) -> Option<StepLengths> {
+        (self.control.fixed().is_none() && 2 * steps < MOST).then_some(StepLengths {
             finer: 4 * self.finer,
             ..self
         })
@@ -204,7 +204,7 @@ pub(super) fn round(
     simulation: &Simulation,
     state: &State,
     time: f64,
-    pace: Pace,
+    lengths: StepLengths,
     halved: bool,
     observer: &mut dyn Observer,
 ) -> Result<Round, RuntimeError> {
@@ -219,7 +219,7 @@ pub(super) fn round(
     };
     let first = Equations::new(&model, &start, moment)?;
     let kinked = halved.then(|| kinked(&model, &start, moment)).flatten();
-    let pairs = pace.steps(&model, &start, time) / 2;
+    let pairs = lengths.steps(&model, &start, time) / 2;
     let whole = time / pairs as f64;
     let size = first.first_order_size().max(1);
     let mut segments = (LARGEST / size).clamp(1, SEGMENTS);

@@ -27,7 +27,7 @@
 
 use super::super::constancy;
 use super::super::run::Stretch;
-use super::orbit::{Pace, Period, Round, round};
+use super::orbit::{Period, Round, StepLengths, round};
 use crate::acceleration::AccelerationSystem;
 use crate::dynamics::Dynamics;
 use crate::error::{NotBack, RuntimeError};
@@ -223,8 +223,14 @@ impl Round {
     ) -> Result<Aim, RuntimeError> {
         let p = self.first.freedoms();
         let size = gap.coordinates.len();
-        let pace = TAU / self.period;
-        let weight = |i: usize| if (p..2 * p).contains(&i) { pace } else { 1.0 };
+        let frequency = TAU / self.period;
+        let weight = |i: usize| {
+            if (p..2 * p).contains(&i) {
+                frequency
+            } else {
+                1.0
+            }
+        };
         let whole = Round::monodromy(&self.fine.segments);
         let along = self.along();
         // without a drive the period is an unknown beside the state
@@ -232,7 +238,7 @@ impl Round {
         let given = gap.driven.filter(|_| free).unwrap_or(0.0);
         let off = DMatrix::from_fn(size, size + usize::from(sought), |i, j| {
             if j == size {
-                -along[i] / (weight(i) * pace)
+                -along[i] / (weight(i) * frequency)
             } else {
                 (f64::from(u8::from(i == j)) - whole[(i, j)]) * weight(j) / weight(i)
             }
@@ -258,7 +264,11 @@ impl Round {
             0.0
         };
         let step = DVector::from_fn(size, |i, _| solved[i] * weight(i));
-        let change = if sought { solved[size] / pace } else { given };
+        let change = if sought {
+            solved[size] / frequency
+        } else {
+            given
+        };
         let (x, y) = (step.rows(0, p), step.rows(p, p));
         // a move along the motion itself cannot take a pin out of its film, so it is not limited
         let own = along.rows(0, p);
@@ -353,7 +363,7 @@ pub(super) fn repeating(
     let model = simulation.model();
     let asked = simulation.sampled_state();
     let near = FREE * constancy::fastest(model, asked);
-    let mut pace = Pace { control, finer: 1 };
+    let mut lengths = StepLengths { control, finer: 1 };
     let mut aim = Aim {
         state: asked.clone(),
         time: period.time,
@@ -366,7 +376,14 @@ pub(super) fn repeating(
         // each round takes half of the remaining progress
         let done = |shot: usize| 1.0 - libm::exp2(-(shot as f64));
         let mut stretch = Stretch::new(observer, done(shot), done(shot + 1));
-        let tried = round(simulation, &aim.state, aim.time, pace, false, &mut stretch);
+        let tried = round(
+            simulation,
+            &aim.state,
+            aim.time,
+            lengths,
+            false,
+            &mut stretch,
+        );
         let found = match tried {
             Ok(found) => Some(found),
             Err(RuntimeError::Stopped(why)) => return Err(RuntimeError::Stopped(why)),
@@ -390,7 +407,14 @@ pub(super) fn repeating(
                     return Err(not_repeating(model, found, &worst, NotBack::OtherPeriod));
                 }
                 let mut stretch = Stretch::new(observer, done(shot + 1), 1.0);
-                let found = round(simulation, &aim.state, aim.time, pace, true, &mut stretch)?;
+                let found = round(
+                    simulation,
+                    &aim.state,
+                    aim.time,
+                    lengths,
+                    true,
+                    &mut stretch,
+                )?;
                 let gap = found.gap(model);
                 return Ok((found, gap));
             }
@@ -408,11 +432,11 @@ pub(super) fn repeating(
             // so short a correction is linear: if it fails, the steps of the march are too long for an
             // oscillation
             let finer = match &before {
-                Some((found, _)) if reach <= SHORT => pace.refined(found.steps),
+                Some((found, _)) if reach <= SHORT => lengths.refined(found.steps),
                 _ => None,
             };
             if let (Some(finer), Some((found, _))) = (finer, &before) {
-                pace = finer;
+                lengths = finer;
                 reach = STRIDE;
                 aim = Aim {
                     state: found.start.clone(),

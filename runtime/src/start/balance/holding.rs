@@ -225,12 +225,12 @@ impl Balance<'_> {
     }
 
     /// Finds freedoms without stiffness at the present position: small singular values of the stiffness in
-    /// mass-normalised coordinates of the free space, over the square of the motion's `pace` (1/s).
+    /// mass-normalised coordinates of the free space, over the square of the motion's `motion_rate` (1/s).
     pub(super) fn find_neutral(
         &mut self,
         state: &State,
         free: &DMatrix<f64>,
-        pace: f64,
+        motion_rate: f64,
     ) -> Result<(), Stop> {
         let model = self.model;
         if free.ncols() == 0 {
@@ -246,7 +246,7 @@ impl Balance<'_> {
         // without its centrifugal softening, because a shaft at a critical speed is not a free part
         self.add_softening(state, -1.0, &mut matrix);
         let free = self.free_stiffness(&place.state, &matrix, free)?;
-        let svd = crate::singular::decompose(free.stiffness / (pace * pace))
+        let svd = crate::singular::decompose(free.stiffness / (motion_rate * motion_rate))
             .ok_or_else(|| not_finite(model))?;
         let right = svd.v_t.ok_or_else(|| not_finite(model))?;
         let weak: Vec<usize> = (0..right.nrows())

@@ -112,7 +112,7 @@ impl Balance<'_> {
             .iter()
             .filter(|k| k.im.abs() <= ROUNDING * largest)
             .fold(0.0_f64, |w, k| w.min(k.re));
-        let rounding = (ROUNDING * largest).max(NEUTRAL[0] * self.pace * self.pace);
+        let rounding = (ROUNDING * largest).max(NEUTRAL[0] * self.motion_rate * self.motion_rate);
         if least >= -rounding || !least.is_finite() {
             return Ok(None);
         }
@@ -170,7 +170,7 @@ impl Balance<'_> {
             let values = symmetric.symmetric_eigenvalues();
             let sigma = speeding / REACH
                 + (-2.0 * values.min()).max(0.0)
-                + LEAST * values.amax().max(self.pace * self.pace);
+                + LEAST * values.amax().max(self.motion_rate * self.motion_rate);
             for i in 0..n {
                 for j in 0..n {
                     matrix[(i, j)] += sigma * mass[(i, j)];

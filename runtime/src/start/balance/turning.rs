@@ -21,14 +21,14 @@
 //! balance at each angle without the centrifugal softening, which would make it singular when the speed
 //! equals a frequency.
 //!
-//! In films the motion is integrated instead ([followed]).
+//! In films the motion is integrated instead ([repeating]).
 
 mod angles;
 mod derivative;
-mod followed;
-mod kept;
 mod krylov;
+mod mean_speeds;
 mod path;
+mod repeating;
 mod reused;
 mod tangent;
 
@@ -88,12 +88,15 @@ impl Balance<'_> {
     }
 
     fn turning_body(&self) -> Option<&Origin> {
-        let fast = |x: &[f64], pace: f64| x.iter().any(|x| x.abs() > TURNS * pace);
+        let fast = |x: &[f64], motion_rate: f64| x.iter().any(|x| x.abs() > TURNS * motion_rate);
         let found = self.model.bodies.iter().find(|body| {
             let turn = body.velocity + 3..body.velocity + 6;
             body.modes() > 0
-                && (fast(&self.velocity[turn.clone()], self.pace)
-                    || fast(&self.acceleration[turn], self.pace * self.pace))
+                && (fast(&self.velocity[turn.clone()], self.motion_rate)
+                    || fast(
+                        &self.acceleration[turn],
+                        self.motion_rate * self.motion_rate,
+                    ))
         });
         found.map(|body| &body.origin)
     }

@@ -364,14 +364,14 @@ impl Angles {
             return f64::NAN;
         };
         let scales = model.velocity_scales();
-        let pace = std::f64::consts::TAU / self.period();
+        let frequency = std::f64::consts::TAU / self.period();
         let (mut change, mut size) = (0.0_f64, 0.0_f64);
         for body in &model.bodies {
             for k in 0..body.modes() {
                 let (p, v) = (body.pose + 7 + k, body.velocity + 6 + k);
                 let pairs = [
                     (here.place.state.pose[p], there.place.state.pose[p]),
-                    (here.velocity[v] / pace, there.velocity[v] / pace),
+                    (here.velocity[v] / frequency, there.velocity[v] / frequency),
                 ];
                 for (a, b) in pairs {
                     change = change.max((a - b).abs() / scales[v]);

@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn rates_of_sines_are_exact() {
         let period = 0.3;
-        let pace = 2.0 * PI / period;
+        let frequency = 2.0 * PI / period;
         for points in [4, 8, 16, 96] {
             let derivative = PeriodicDerivative::new(points, period);
             let orders = (0..points / 2).map(|m| m as f64);
@@ -142,9 +142,9 @@ mod tests {
                     for (j, rate) in rates.iter().enumerate() {
                         let x = 2.0 * PI * j as f64 / points as f64;
                         let due =
-                            order * pace * (libm::cos(order * x) - 0.3 * libm::sin(order * x));
+                            order * frequency * (libm::cos(order * x) - 0.3 * libm::sin(order * x));
                         assert!(
-                            (rate[0] - due).abs() < 1e-11 * pace * points as f64,
+                            (rate[0] - due).abs() < 1e-11 * frequency * points as f64,
                             "{points} {order}: {} {due}",
                             rate[0]
                         );

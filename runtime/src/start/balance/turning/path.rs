@@ -114,7 +114,7 @@ fn cycle_time(balance: &Balance, place: &Place) -> Result<Option<(f64, f64)>, Ru
     dynamics.place(model, state.time, &state.pose, &state.velocity);
     watch.evaluate(model, &dynamics, &state)?;
     let (period, rate) = (model.slot(cycle.period), watch.watched_values[1].abs());
-    Ok((rate > TURNS * balance.pace).then_some((period / rate, period / TAU)))
+    Ok((rate > TURNS * balance.motion_rate).then_some((period / rate, period / TAU)))
 }
 
 /// Time after which a motion repeats (s), and its turns: those of the cycle, or those after which all turning
@@ -154,7 +154,7 @@ fn slowest_turn(balance: &Balance) -> Result<f64, NoOrbit> {
             libm::sqrt(v.iter().map(|x| x * x).sum())
         });
     let slowest = speeds
-        .filter(|s| *s > TURNS * balance.pace)
+        .filter(|s| *s > TURNS * balance.motion_rate)
         .reduce(f64::min);
     match slowest {
         Some(speed) => Ok(TAU / speed),
@@ -184,7 +184,7 @@ pub(super) fn unwrap(
 /// body with the largest deviation, and this deviation.
 fn returned<'a>(model: &'a Model, first: &State, now: &State) -> Result<(), (&'a str, f64)> {
     let scales = model.velocity_scales();
-    let pace = largest_scaled(&first.velocity, &scales);
+    let motion_rate = largest_scaled(&first.velocity, &scales);
     let mut worst = ("", 0.0);
     for body in &model.bodies {
         let (a, b) = (&first.pose[body.pose..], &now.pose[body.pose..]);
@@ -192,7 +192,7 @@ fn returned<'a>(model: &'a Model, first: &State, now: &State) -> Result<(), (&'a
         let rates = (body.velocity..body.velocity + 6)
             // velocities may miss ten times as much as positions, because they follow from the positions,
             // divided by the small arms of a mechanism. A choice
-            .map(|i| 0.1 * (first.velocity[i] - now.velocity[i]).abs() / (pace * scales[i]));
+            .map(|i| 0.1 * (first.velocity[i] - now.velocity[i]).abs() / (motion_rate * scales[i]));
         let off = moved
             .chain(rates)
             .fold(turn_between(&a[3..7], &b[3..7]).norm(), f64::max);

@@ -7,7 +7,7 @@ use eng_system::system::Origin;
 
 /// The reason why steps are not longer.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Pace {
+pub enum StepLimit {
     /// The text states the step.
     Stated,
     /// The sampling interval.
@@ -42,12 +42,17 @@ pub struct Slow {
     /// The last step (s).
     pub step: f64,
     /// The reason why it is not longer.
-    pub pace: Box<Pace>,
+    pub limit: Box<StepLimit>,
 }
 
 impl std::fmt::Display for Slow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "steps are {} s long: {}", short(self.step, 3), self.pace)
+        write!(
+            f,
+            "steps are {} s long: {}",
+            short(self.step, 3),
+            self.limit
+        )
     }
 }
 
@@ -97,21 +102,21 @@ impl std::fmt::Display for Jump {
     }
 }
 
-impl std::fmt::Display for Pace {
+impl std::fmt::Display for StepLimit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Pace::Stated => f.write_str("the text states this step"),
-            Pace::Samples => f.write_str("steps are not longer than the sampling interval"),
-            Pace::Turn => f.write_str("in a longer step a body turns too far"),
-            Pace::Sines => f.write_str("a condition has a sine that changes fast, and a longer step may miss its change of sign"),
-            Pace::Jump(jump) => write!(f, "{jump}"),
-            Pace::Error { origin, state } => {
+            StepLimit::Stated => f.write_str("the text states this step"),
+            StepLimit::Samples => f.write_str("steps are not longer than the sampling interval"),
+            StepLimit::Turn => f.write_str("in a longer step a body turns too far"),
+            StepLimit::Sines => f.write_str("a condition has a sine that changes fast, and a longer step may miss its change of sign"),
+            StepLimit::Jump(jump) => write!(f, "{jump}"),
+            StepLimit::Error { origin, state } => {
                 let of = state
                     .as_deref()
                     .map_or(String::new(), |state| format!("{state} of "));
                 write!(f, "the error control of {of}{} needs steps this short", origin.path)
             }
-            Pace::Unsolved { origin, equation } => {
+            StepLimit::Unsolved { origin, equation } => {
                 write!(
                     f,
                     "longer steps have no solution: {} ({equation})",

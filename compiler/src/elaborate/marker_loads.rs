@@ -20,19 +20,19 @@ use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 const TRIALS: usize = 12;
 /// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
 /// it. A choice: a much smaller share would count those, a larger one would overlook a real component.
-const SHARE: f64 = 0.01;
+const COMPONENT_SHARE: f64 = 0.01;
 /// Arm (m) that converts moments to forces for the comparison. A choice: the size of a bearing or of a small
 /// joint.
 const ARM: f64 = 0.1;
 /// Distance of the partners in a trial (m): small, as in an assembled engine. A choice: below the clearances
 /// of films, which would touch at a larger distance.
-const APART: f64 = 1e-5;
+const PARTNER_DISTANCE: f64 = 1e-5;
 /// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: over [`ARM`] it is a way
-/// of [`APART`].
-const TILT: f64 = 1e-4;
+/// of [`PARTNER_DISTANCE`].
+const PARTNER_TILT: f64 = 1e-4;
 /// Angular velocity of a trial (rad/s): 2900 rpm, an engine's speed. A choice: at rest films and dampers
 /// would transmit nothing.
-const SPIN: f64 = 300.0;
+const TRIAL_SPIN: f64 = 300.0;
 
 /// The loads on a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -123,7 +123,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
         // the same state with the marker turned: if its axes matter, the values change
         let mut turned = inputs.clone();
         // a tilt as in the trials, and a turn about the axis that no symmetry of a marker has. Choices
-        let small = rotation_of([0.3 * TILT, -0.5 * TILT, 0.2]);
+        let small = rotation_of([0.3 * PARTNER_TILT, -0.5 * PARTNER_TILT, 0.2]);
         let product = times(rotation, &small);
         turned[(layout.marker(place) + ROTATION) as usize..][..9].copy_from_slice(&product);
         if let Some(other) = evaluate(&turned) {
@@ -137,7 +137,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
                     .zip(&other[range])
                     // 1e-12 (N, N m or SI of the rows) stands for no wrench at all: its rounding is no
                     // change. A choice
-                    .any(|(a, b)| (a - b).abs() > SHARE * size.max(1e-12))
+                    .any(|(a, b)| (a - b).abs() > COMPONENT_SHARE * size.max(1e-12))
             };
             let force = rows + 6 * place as usize;
             found.turns |= change(0..rows) || change(force..force + 3);
@@ -154,18 +154,18 @@ fn state(layout: &InputLayout, constants: &[f64], states: &[f64], random: &mut R
         let at = layout.marker(marker) as usize;
         let numbers = &mut inputs[at..at + MARKER_WIDTH as usize];
         for x in &mut numbers[..3] {
-            *x = APART * random.next();
+            *x = PARTNER_DISTANCE * random.next();
         }
-        let tilt = [TILT * random.next(), TILT * random.next()];
+        let tilt = [PARTNER_TILT * random.next(), PARTNER_TILT * random.next()];
         let about_z = rotation_of([0.0, 0.0, std::f64::consts::PI * random.next()]);
         let tilted = rotation_of([tilt[0], tilt[1], 0.0]);
         numbers[3..12].copy_from_slice(&times(&tilted, &about_z));
         for x in &mut numbers[12..15] {
-            *x = APART * SPIN * random.next();
+            *x = PARTNER_DISTANCE * TRIAL_SPIN * random.next();
         }
-        numbers[15] = TILT * SPIN * random.next();
-        numbers[16] = TILT * SPIN * random.next();
-        numbers[17] = SPIN * random.next();
+        numbers[15] = PARTNER_TILT * TRIAL_SPIN * random.next();
+        numbers[16] = PARTNER_TILT * TRIAL_SPIN * random.next();
+        numbers[17] = TRIAL_SPIN * random.next();
     }
     for (i, x) in states.iter().enumerate() {
         inputs[layout.state(i as u32) as usize] = *x;
@@ -203,7 +203,7 @@ fn wrench(layout: &InputLayout, values: &[f64], place: u32, rotation: &[f64]) ->
     wrench
 }
 
-/// The components whose greatest value reaches [`SHARE`] of the greatest of all.
+/// The components whose greatest value reaches [`COMPONENT_SHARE`] of the greatest of all.
 fn counted(wrench: &[f64; 6]) -> Freedoms {
     let weighed = |i: usize| wrench[i] / if i < 3 { 1.0 } else { ARM };
     let whole = (0..6).map(weighed).fold(0.0, f64::max);
@@ -211,7 +211,7 @@ fn counted(wrench: &[f64; 6]) -> Freedoms {
         return 0;
     }
     (0..6)
-        .filter(|i| weighed(*i) > SHARE * whole)
+        .filter(|i| weighed(*i) > COMPONENT_SHARE * whole)
         .fold(0, |bits, i| bits | (1 << i))
 }
 
@@ -332,14 +332,7 @@ impl Elaborator<'_, '_> {
                 let place = written.filter(|at| {
                     at.source != body.source || at.start < body.start || at.end > body.end
                 });
-                let message = Diagnostic::warning(
-                    codes::UNSERVED,
-                    format!("some loads of {} have no static mode", source.origin.path),
-                )
-                .at(
-                    place.unwrap_or(body),
-                    "without a static mode the body is too stiff under these loads",
-                );
+                let message = without_static_mode(&source.origin.path, place.unwrap_or(body));
                 let message = message.also_if(place.map(|_| body), "the modes of the body");
                 self.diagnostics.push(
                     message
@@ -351,6 +344,18 @@ impl Elaborator<'_, '_> {
         }
         elaborated.flexible = sources;
     }
+}
+
+/// The warning about loads without a static mode. The caller adds what helps at its place.
+pub fn without_static_mode(body: &str, place: Span) -> Diagnostic {
+    Diagnostic::warning(
+        codes::UNSERVED,
+        format!("some loads of {body} have no static mode"),
+    )
+    .at(
+        place,
+        "without a static mode the body is too stiff under these loads",
+    )
 }
 
 /// The warnings about terms without modes: they list no freedoms, and no element loads their markers.

@@ -23,7 +23,7 @@ struct Tasks {
 #[derive(Debug, Default)]
 struct Shared {
     tasks: Mutex<Tasks>,
-    /// Tasks wait, or the crew is closed.
+    /// Tasks wait, or the pool is closed.
     came: Condvar,
     /// The last task that was taken has ended.
     ended: Condvar,
@@ -57,7 +57,7 @@ impl Drop for Taken<'_> {
     }
 }
 
-/// Works on tasks until none waits; with `stays` until the crew is closed.
+/// Works on tasks until none waits; with `stays` until the pool is closed.
 fn work(shared: &Shared, stays: bool) {
     let mut tasks = shared.lock();
     loop {
@@ -79,25 +79,25 @@ fn work(shared: &Shared, stays: bool) {
 
 /// The threads of one model. They start with the first tasks, and wait between evaluations.
 #[derive(Debug)]
-pub struct Crew {
+pub struct ThreadPool {
     shared: Arc<Shared>,
     /// All but the caller's own thread.
     others: usize,
-    /// Held by the caller for whom the crew works.
+    /// Held by the caller for whom the pool works.
     threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
-impl Crew {
-    /// A crew of this many threads, the caller's own among them.
-    pub fn new(threads: NonZeroUsize) -> Crew {
-        Crew {
+impl ThreadPool {
+    /// A pool of this many threads, the caller's own among them.
+    pub fn new(threads: NonZeroUsize) -> ThreadPool {
+        ThreadPool {
             shared: Arc::default(),
             others: threads.get() - 1,
             threads: Mutex::default(),
         }
     }
 
-    /// Works on tasks. They come back in any order; one whose solution panics does not. While the crew works
+    /// Works on tasks. They come back in any order; one whose solution panics does not. While the pool works
     /// for another caller, this caller's thread does all.
     pub(crate) fn work(&self, tasks: &mut Vec<Task>) {
         let Ok(mut threads) = self.threads.try_lock() else {
@@ -126,7 +126,7 @@ impl Crew {
     }
 }
 
-impl Drop for Crew {
+impl Drop for ThreadPool {
     fn drop(&mut self) {
         self.shared.lock().closed = true;
         self.shared.came.notify_all();
@@ -207,11 +207,11 @@ mod tests {
     #[test]
     fn tasks_come_back_with_their_answers() {
         for threads in 1..=4 {
-            let crew = Crew::new(NonZeroUsize::new(threads).unwrap());
+            let thread_pool = ThreadPool::new(NonZeroUsize::new(threads).unwrap());
             for _ in 0..100 {
                 let drives: Vec<f64> = (0..20).map(|k| f64::from(k) - 0.5).collect();
                 let mut tasks = tasks(&drives);
-                crew.work(&mut tasks);
+                thread_pool.work(&mut tasks);
                 tasks.sort_by_key(|task| task.at);
                 assert_eq!(tasks.len(), drives.len());
                 for (task, drive) in tasks.iter().zip(&drives) {
@@ -225,15 +225,15 @@ mod tests {
     /// A panic ends one thread and loses one task. The caller neither waits for it nor takes it for solved.
     #[test]
     fn a_panic_loses_its_task_alone() {
-        let crew = Crew::new(NonZeroUsize::new(2).unwrap());
+        let thread_pool = ThreadPool::new(NonZeroUsize::new(2).unwrap());
         let mut found = tasks(&[1.0, 2.0, -3.0, 4.0]);
         let worked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            crew.work(&mut found);
+            thread_pool.work(&mut found);
         }));
         // without a catch the panic of the caller's own thread goes on
         if worked.is_ok() {
             assert_eq!(found.len(), 3);
         }
-        drop(crew);
+        drop(thread_pool);
     }
 }

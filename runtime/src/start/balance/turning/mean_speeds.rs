@@ -25,7 +25,7 @@ const HELD: f64 = 1e-2;
 const DEPENDS: f64 = 0.1;
 
 /// The rows with a kept mean speed, each of length one in scaled velocities, and their present leads.
-pub(super) struct Kept {
+pub(super) struct MeanSpeeds {
     /// Indices of the moving rows.
     moving: Vec<usize>,
     /// Speeds of the moving rows.
@@ -37,7 +37,7 @@ pub(super) struct Kept {
     /// Rate of the lead of each.
     pub faster: DVector<f64>,
     /// Rate of the efforts (1/s).
-    pace: f64,
+    soft_frequency: f64,
     /// The rows at the state that was followed last, until it is replaced.
     present: Option<DMatrix<f64>>,
 }
@@ -52,9 +52,9 @@ fn no_numbers() -> NoOrbit {
     NoOrbit::Reason("its rows are no numbers".to_owned())
 }
 
-impl Kept {
+impl MeanSpeeds {
     /// The kept rows at a state of the motion, which repeats after a period (s).
-    pub fn new(balance: &mut Balance, state: &State, period: f64) -> Result<Kept, NoOrbit> {
+    pub fn new(balance: &mut Balance, state: &State, period: f64) -> Result<MeanSpeeds, NoOrbit> {
         let (mut rows, _) = balance.what_moves(state)?;
         // rows have a length of about one in scaled velocities: a shorter one is rounding
         unit_rows(&mut rows, 1e-12);
@@ -83,21 +83,21 @@ impl Kept {
             }
         }
         let count = moving.len() + balance.neutral.nrows();
-        let mut kept = Kept {
+        let mut mean_speeds = MeanSpeeds {
             moving,
             values: DVector::zeros(0),
             inertia: Vec::new(),
             ahead: DVector::zeros(count),
             faster: DVector::zeros(count),
-            pace: SOFT * TAU / period,
+            soft_frequency: SOFT * TAU / period,
             present: None,
         };
-        let rows = kept.rows(balance, state)?;
+        let rows = mean_speeds.rows(balance, state)?;
         let free = &balance.motion.free;
         let along = &rows * free;
         let mass = free.transpose() * balance.motion.mass(balance.model, state) * free;
         let mass = mass.cholesky().ok_or_else(no_numbers)?;
-        kept.inertia = along
+        mean_speeds.inertia = along
             .row_iter()
             .map(|own| 1.0 / own.transpose().dot(&mass.solve(&own.transpose())))
             .collect();
@@ -106,8 +106,8 @@ impl Kept {
         for i in shapes {
             velocity[i] = 0.0;
         }
-        kept.values = rows * velocity;
-        Ok(kept)
+        mean_speeds.values = rows * velocity;
+        Ok(mean_speeds)
     }
 
     /// Measures the lead of the cycle's angle from the positions themselves. A sum over the steps would
@@ -133,7 +133,7 @@ impl Kept {
     /// The rows at a position.
     pub fn rows(&self, balance: &mut Balance, state: &State) -> Result<DMatrix<f64>, Stop> {
         let (mut moving, _) = balance.what_moves(state)?;
-        // as in [`Kept::new`]: a shorter row is rounding
+        // as in [`MeanSpeeds::new`]: a shorter row is rounding
         unit_rows(&mut moving, 1e-12);
         let (count, free) = (self.moving.len(), balance.neutral.nrows());
         let mut rows = DMatrix::zeros(count + free, moving.ncols());
@@ -158,7 +158,9 @@ impl Kept {
     ) -> Result<DVector<f64>, Stop> {
         let efforts = DVector::from_fn(self.inertia.len(), |k, _| {
             let ahead = self.ahead[k] + step * self.faster[k];
-            -self.inertia[k] * self.pace * (self.pace * ahead + 2.0 * self.faster[k])
+            -self.inertia[k]
+                * self.soft_frequency
+                * (self.soft_frequency * ahead + 2.0 * self.faster[k])
         });
         match &self.present {
             Some(rows) => Ok(rows.tr_mul(&efforts)),

@@ -19,7 +19,7 @@ const SUDDEN: f64 = 0.25;
 
 /// The progress of the farthest body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum Astray {
+pub(super) enum Runaway {
     /// All are near.
     #[default]
     Near,
@@ -29,49 +29,49 @@ pub(super) enum Astray {
     Flies,
 }
 
-impl Astray {
+impl Runaway {
     /// The state at the beginning of a run.
-    pub fn begin(model: &Model, state: &State) -> Astray {
+    pub fn begin(model: &Model, state: &State) -> Runaway {
         match farthest(model, state) {
-            Some((_, far)) if far > WATCHED * model.length => Astray::Flies,
-            _ => Astray::Near,
+            Some((_, far)) if far > WATCHED * model.length => Runaway::Flies,
+            _ => Runaway::Near,
         }
     }
 
     /// The state as a number, for a checkpoint.
     pub fn number(self) -> f64 {
         match self {
-            Astray::Near => f64::INFINITY,
-            Astray::Far(since) => since,
-            Astray::Flies => f64::NAN,
+            Runaway::Near => f64::INFINITY,
+            Runaway::Far(since) => since,
+            Runaway::Flies => f64::NAN,
         }
     }
 
     /// The state from the number in a checkpoint.
-    pub fn from_number(number: f64) -> Astray {
+    pub fn from_number(number: f64) -> Runaway {
         match number {
-            _ if number.is_nan() => Astray::Flies,
-            f64::INFINITY => Astray::Near,
-            since => Astray::Far(since),
+            _ if number.is_nan() => Runaway::Flies,
+            f64::INFINITY => Runaway::Near,
+            since => Runaway::Far(since),
         }
     }
 
     /// Updates the state after a step. Returns a body that runs away, with its distance from the ground's
     /// origin (m).
     pub fn after_step(&mut self, model: &Model, state: &State) -> Option<(usize, f64)> {
-        if *self == Astray::Flies {
+        if *self == Runaway::Flies {
             return None;
         }
         let (body, far) = farthest(model, state)?;
-        if *self == Astray::Near && far > WATCHED * model.length {
-            *self = Astray::Far(state.time);
+        if *self == Runaway::Near && far > WATCHED * model.length {
+            *self = Runaway::Far(state.time);
         }
         match *self {
-            Astray::Far(since) if far > LEFT * model.length => {
+            Runaway::Far(since) if far > LEFT * model.length => {
                 if state.time - since < SUDDEN * state.time {
                     return Some((body, far));
                 }
-                *self = Astray::Flies;
+                *self = Runaway::Flies;
                 None
             }
             _ => None,

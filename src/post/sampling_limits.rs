@@ -4,8 +4,8 @@
 use super::PostError;
 use super::sampling::Sampled;
 use super::track::Track;
+use crate::results::display_unit;
 use eng_report::signal::Sampling;
-use eng_system::DisplayUnit;
 use eng_system::expression::Limit;
 use eng_system::system::Extent;
 use std::f64::consts::{PI, TAU};
@@ -17,37 +17,29 @@ const ROUNDING: f64 = 1e-6;
 /// orders. A choice: an order is then smeared over a tenth of itself.
 const STEADY: f64 = 0.1;
 
-fn unit(symbol: &str, scale: f64) -> DisplayUnit {
-    DisplayUnit {
-        symbol: symbol.to_owned(),
-        scale,
-        offset: 0.0,
-    }
-}
-
 /// `200 ms`, `0.5 deg`, `2 rev`.
 pub(super) fn extent_text(extent: Extent) -> String {
     match extent {
-        Extent::Time(time) if time < 1e-3 => unit("us", 1e-6).text(time),
-        Extent::Time(time) if time < 1.0 => unit("ms", 1e-3).text(time),
-        Extent::Time(time) => unit("s", 1.0).text(time),
-        Extent::Angle(angle) if angle < TAU => unit("deg", PI / 180.0).text(angle),
-        Extent::Angle(angle) => unit("rev", TAU).text(angle),
+        Extent::Time(time) if time < 1e-3 => display_unit("us", 1e-6).text(time),
+        Extent::Time(time) if time < 1.0 => display_unit("ms", 1e-3).text(time),
+        Extent::Time(time) => display_unit("s", 1.0).text(time),
+        Extent::Angle(angle) if angle < TAU => display_unit("deg", PI / 180.0).text(angle),
+        Extent::Angle(angle) => display_unit("rev", TAU).text(angle),
     }
 }
 
 /// `150 Hz`, `2.5 kHz`, `order 2`.
 pub(super) fn limit_text(limit: Limit) -> String {
     match limit {
-        Limit::Frequency(frequency) if frequency < 1e3 => unit("Hz", 1.0).text(frequency),
-        Limit::Frequency(frequency) => unit("kHz", 1e3).text(frequency),
-        Limit::Order(order) => format!("order {}", unit("1", 1.0).text(order)),
+        Limit::Frequency(frequency) if frequency < 1e3 => display_unit("Hz", 1.0).text(frequency),
+        Limit::Frequency(frequency) => display_unit("kHz", 1e3).text(frequency),
+        Limit::Order(order) => format!("order {}", display_unit("1", 1.0).text(order)),
     }
 }
 
 /// `4000 rpm` for a speed in turns per second.
 pub(super) fn speed_text(speed: f64) -> String {
-    unit("rpm", 1.0 / 60.0).text(speed)
+    display_unit("rpm", 1.0 / 60.0).text(speed)
 }
 
 /// A length on the axis of the samples (s, or °).

@@ -1,6 +1,6 @@
 //! The causes of short steps.
 
-use super::{Jump, Jumping, Pace, Simulation, Slow};
+use super::{Jump, Jumping, Simulation, Slow, StepLimit};
 use crate::dynamics::Dynamics;
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -91,28 +91,28 @@ impl Part {
 
 impl Simulation {
     /// The cause that limits the steps.
-    fn pace(&self) -> Pace {
+    fn limit(&self) -> StepLimit {
         if self.options.step.fixed().is_some() {
-            return Pace::Stated;
+            return StepLimit::Stated;
         }
         match self.limit {
-            Limit::Samples => return Pace::Samples,
-            Limit::Turn => return Pace::Turn,
-            Limit::Sines => return Pace::Sines,
+            Limit::Samples => return StepLimit::Samples,
+            Limit::Turn => return StepLimit::Turn,
+            Limit::Sines => return StepLimit::Sines,
             Limit::Error | Limit::Unsolved(_) => {}
         }
         if let Some(jump) = self.jump(self.step_here()) {
-            return Pace::Jump(jump);
+            return StepLimit::Jump(jump);
         }
         match &self.limit {
             Limit::Unsolved(error) => match error.as_ref() {
                 RuntimeError::Newton {
                     origin, equation, ..
-                } => Pace::Unsolved {
+                } => StepLimit::Unsolved {
                     origin: origin.clone(),
                     equation: equation.clone(),
                 },
-                RuntimeError::NotFinite { origin, .. } => Pace::Unsolved {
+                RuntimeError::NotFinite { origin, .. } => StepLimit::Unsolved {
                     origin: origin.clone(),
                     equation: "no number".to_owned(),
                 },
@@ -122,9 +122,9 @@ impl Simulation {
         }
     }
 
-    fn error_allows(&self) -> Pace {
+    fn error_allows(&self) -> StepLimit {
         let (origin, state, _) = self.integrator.governing(&self.model);
-        Pace::Error {
+        StepLimit::Error {
             origin: Box::new(origin),
             state,
         }
@@ -135,7 +135,7 @@ impl Simulation {
         Slow {
             moment: self.moment(),
             step: self.step_here(),
-            pace: Box::new(self.pace()),
+            limit: Box::new(self.limit()),
         }
     }
 

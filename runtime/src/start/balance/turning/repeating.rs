@@ -14,14 +14,14 @@
 //! A step takes over much of the steps before ([`Reused`]).
 //!
 //! Efforts keep the mean of each stated speed. They are critically damped and soft against all orders of the
-//! period ([`kept`]). Element states do not change. The velocities at the start are central differences of
+//! period ([`mean_speeds`]). Element states do not change. The velocities at the start are central differences of
 //! eighth order of the positions. Those of the scheme violate `Φ̇ = 0` by `C h² v̈`, which is as much as the
 //! squeeze of a film. At the end position and velocities are projected to the stated values, so that
 //! eccentricities, shapes and their rates change least. A body that turns in this projection carries its bending
 //! along; its pins keep their places and rates in the shells all the same. (D. G. Anderson, J. ACM 12 (1965) 547.)
 
 use super::super::{Balance, Place, Stop};
-use super::kept::Kept;
+use super::mean_speeds::MeanSpeeds;
 use super::path::{period_of, unwrap};
 use super::reused::{Next, Reused};
 use super::{NoOrbit, singular};
@@ -103,7 +103,7 @@ struct Follower {
     dynamics: Dynamics,
     watch: Watch,
     solver: BlockLu,
-    kept: Kept,
+    mean_speeds: MeanSpeeds,
     reused: Reused,
     step: f64,
     /// The last positions.
@@ -158,7 +158,7 @@ impl Follower {
         let solver = BlockLu::new(integrator.pattern());
         let reused = Reused::new(integrator.unknowns(), count);
         Ok(Follower {
-            kept: Kept::new(balance, state, period)?,
+            mean_speeds: MeanSpeeds::new(balance, state, period)?,
             integrator,
             dynamics: Dynamics::new(model),
             watch: Watch::new(model, |_| true),
@@ -175,7 +175,7 @@ impl Follower {
         let (n, s) = (model.velocities, model.states);
         let h = self.step;
         let here = self.integrator.current.clone();
-        let pulled = self.kept.pull(balance, &here, h)?
+        let pulled = self.mean_speeds.pull(balance, &here, h)?
             * (self.integrator.coefficients.beta * h * h
                 / (model.mass * model.length * model.length));
         self.integrator.predict(model, h, true);
@@ -315,7 +315,7 @@ impl Follower {
         self.integrator.accept(model, h, time);
         let now = &mut self.integrator.current;
         unwrap(model, &mut self.watch, &mut self.dynamics, now)?;
-        self.kept.follow(balance, now, h)?;
+        self.mean_speeds.follow(balance, now, h)?;
         self.behind.push_front(now.pose.clone());
         // the present position and four before it, for differences of eighth order
         self.behind.truncate(5);
@@ -344,7 +344,7 @@ impl Follower {
 
     /// Sets the time and all angles back to those of a state a period before.
     fn rewind(&mut self, first: &State) {
-        self.kept.replaced();
+        self.mean_speeds.replaced();
         let now = &mut self.integrator.current;
         now.time = first.time;
         now.rotations.copy_from_slice(&first.rotations);
@@ -360,8 +360,8 @@ impl Follower {
         all.extend(&self.integrator.jerk);
         all.extend(&now.multipliers);
         all.extend(&self.integrator.multiplier_rate);
-        all.extend(self.kept.ahead.iter());
-        all.extend(self.kept.faster.iter());
+        all.extend(self.mean_speeds.ahead.iter());
+        all.extend(self.mean_speeds.faster.iter());
         all
     }
 
@@ -377,7 +377,7 @@ impl Follower {
         {
             return false;
         }
-        self.kept.replaced();
+        self.mean_speeds.replaced();
         let now = &mut self.integrator.current;
         now.pose.copy_from_slice(&pose);
         let mut rest = &all[n..];
@@ -392,8 +392,8 @@ impl Follower {
         take(&mut self.integrator.jerk);
         take(&mut now.multipliers);
         take(&mut self.integrator.multiplier_rate);
-        take(self.kept.ahead.as_mut_slice());
-        take(self.kept.faster.as_mut_slice());
+        take(self.mean_speeds.ahead.as_mut_slice());
+        take(self.mean_speeds.faster.as_mut_slice());
         true
     }
 }
@@ -511,7 +511,8 @@ impl Balance<'_> {
             )));
         }
         let rates = follower.rates(self)?;
-        let (state, velocity) = self.stated(&place.state, &first, rates, &mut follower.kept)?;
+        let (state, velocity) =
+            self.stated(&place.state, &first, rates, &mut follower.mean_speeds)?;
         Ok(Followed {
             place: Place {
                 state,
@@ -528,8 +529,8 @@ impl Balance<'_> {
 
     /// Weights that make increments and velocities comparable: the largest shape of the body for shapes, the
     /// clearances for frames. In 1/m, 1/rad and one over an amplitude for increments; the same times s for
-    /// velocities. `pace` (1/s) is the angular velocity of the motion.
-    fn weights(&self, state: &State, pace: f64) -> Vec<f64> {
+    /// velocities. `angular_velocity` (1/s) is that of the motion.
+    fn weights(&self, state: &State, angular_velocity: f64) -> Vec<f64> {
         let model = self.model;
         let mut weights = vec![0.0; model.velocities];
         for body in &model.bodies {
@@ -541,7 +542,7 @@ impl Balance<'_> {
             weights[v + 3..v + 6].fill(1e-3 * model.length / model.tolerance);
             weights[v + 6..v + body.width()].fill(if size > 0.0 { 1.0 / size } else { 0.0 });
         }
-        let rates: Vec<f64> = weights.iter().map(|w| w / pace).collect();
+        let rates: Vec<f64> = weights.iter().map(|w| w / angular_velocity).collect();
         weights.extend(rates);
         weights
     }
@@ -550,7 +551,7 @@ impl Balance<'_> {
     fn stated_or_kept(
         &mut self,
         state: &State,
-        kept: &Kept,
+        mean_speeds: &MeanSpeeds,
     ) -> Result<(DVector<f64>, DMatrix<f64>), Stop> {
         let (mut values, mut rows) = self.holds(state)?;
         let count = rows.nrows() - self.fixed.nrows();
@@ -564,7 +565,7 @@ impl Balance<'_> {
             .copied()
             .filter(|i| *i < count)
             .collect();
-        let moving = kept.rows(self, state)?;
+        let moving = mean_speeds.rows(self, state)?;
         let (first, size) = (stated.len(), stated.len() + moving.nrows());
         let mut all = DMatrix::zeros(size, rows.ncols());
         all.rows_mut(0, first).copy_from(&rows.select_rows(&stated));
@@ -572,7 +573,8 @@ impl Balance<'_> {
         let mut off = DVector::zeros(size);
         off.rows_mut(0, first)
             .copy_from(&values.select_rows(&stated));
-        off.rows_mut(first, moving.nrows()).copy_from(&kept.ahead);
+        off.rows_mut(first, moving.nrows())
+            .copy_from(&mean_speeds.ahead);
         Ok((off, all))
     }
 
@@ -625,21 +627,21 @@ impl Balance<'_> {
         from: &State,
         state: &State,
         mut rates: Vec<f64>,
-        kept: &mut Kept,
+        mean_speeds: &mut MeanSpeeds,
     ) -> Result<(State, Vec<f64>), NoOrbit> {
         let model = self.model;
         let n = model.velocities;
         let pins = pins(model);
         let places = |pose: &[f64]| DVector::from_vec(places_of_pins(model, &pins, pose));
-        let paces = |pose: &[f64], rates: &[f64]| {
+        let rates_of = |pose: &[f64], rates: &[f64]| {
             DVector::from_vec(rates_of_eccentricities(model, &pins, pose, rates))
         };
         // a body that turns further carries its bending along, so that its pins leave their places in the shells
-        let (place, pace) = (places(&state.pose), paces(&state.pose, &rates));
+        let (place, rate) = (places(&state.pose), rates_of(&state.pose, &rates));
         let mut state = state.clone();
         for _ in 0..ROUNDS {
-            kept.measure_cycle(self, from, &state)?;
-            let (off, held) = self.stated_or_kept(&state, kept)?;
+            mean_speeds.measure_cycle(self, from, &state)?;
+            let (off, held) = self.stated_or_kept(&state, mean_speeds)?;
             let (missed, constraints) = self.motion.missed_places(model, &state)?;
             let count = constraints.nrows();
             let mut rows = DMatrix::zeros(count + held.nrows(), n);
@@ -650,15 +652,15 @@ impl Balance<'_> {
             wanted.rows_mut(count, off.len()).copy_from(&-off);
             let shifted = &place - places(&state.pose);
             let step = self.softest(&state, &rows, &wanted, &shifted)?;
-            let own = kept.ahead.len();
-            kept.ahead += held.rows(held.nrows() - own, own) * &step;
+            let own = mean_speeds.ahead.len();
+            mean_speeds.ahead += held.rows(held.nrows() - own, own) * &step;
             let from = state.pose.clone();
             let increment = unscaled(step.as_slice(), self.motion.scales());
             move_pose(model, &from, &increment, 1.0, &mut state.pose);
         }
         let motion = SteadyMotion::along_path(model, &state).map_err(singular)?;
         let (missed, rows) = motion.missed_rates(model, &state, &rates)?;
-        let shifted = pace - paces(&state.pose, &rates);
+        let shifted = rate - rates_of(&state.pose, &rates);
         let step = self.softest(&state, &rows, &-missed, &shifted)?;
         for (rate, (y, s)) in rates.iter_mut().zip(step.iter().zip(self.motion.scales())) {
             *rate += y * s;

@@ -6,7 +6,7 @@
 
 use super::recording::Files;
 use super::stream::{Portions, Stream};
-use super::{Results, ResultsError, schema};
+use super::{Results, ResultsError, remove_if_there, schema};
 use std::path::Path;
 
 /// The largest number of rows that wait before they are written to disk. A choice, as for tables of results.
@@ -14,17 +14,17 @@ const BATCH: usize = 512;
 
 /// The rows on their way to disk.
 #[derive(Debug)]
-pub(crate) struct Trail {
+pub(crate) struct RowLog {
     stream: Stream,
     /// One vector for each column.
     waiting: Vec<Vec<f64>>,
 }
 
-impl Trail {
-    /// Begins a trail with the columns of `header`. It overwrites an earlier one.
-    pub fn create(folder: &Path, header: &Results) -> Result<Trail, ResultsError> {
+impl RowLog {
+    /// Begins a log with the columns of `header`. It overwrites an earlier one.
+    pub fn create(folder: &Path, header: &Results) -> Result<RowLog, ResultsError> {
         let path = Files::new(folder, header.analysis()).partial;
-        Ok(Trail {
+        Ok(RowLog {
             stream: Stream::create(&path, header)?,
             waiting: vec![Vec::new(); header.columns().len()],
         })
@@ -36,7 +36,7 @@ impl Trail {
         header: &Results,
         rows: u64,
         take: impl FnMut(&[f64]),
-    ) -> Result<Trail, ResultsError> {
+    ) -> Result<RowLog, ResultsError> {
         let path = Files::new(folder, header.analysis()).partial;
         let (stream, found) = Stream::resume(&path, rows)?;
         if found.columns() != header.columns() {
@@ -47,13 +47,13 @@ impl Trail {
             });
         }
         each(&path, take)?;
-        Ok(Trail {
+        Ok(RowLog {
             stream,
             waiting: vec![Vec::new(); header.columns().len()],
         })
     }
 
-    /// Passes the rows of a finished run to `take`; false if there is no trail.
+    /// Passes the rows of a finished run to `take`; false if there is no log.
     pub fn left(
         folder: &Path,
         analysis: &str,
@@ -91,15 +91,9 @@ impl Trail {
         }
     }
 
-    /// Removes the trail of an analysis, if there is one.
+    /// Removes the log of an analysis, if there is one.
     pub fn remove(folder: &Path, analysis: &str) -> Result<(), ResultsError> {
-        let path = Files::new(folder, analysis).partial;
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                Err(ResultsError::File { path, source })
-            }
-            _ => Ok(()),
-        }
+        remove_if_there(&Files::new(folder, analysis).partial)
     }
 }
 

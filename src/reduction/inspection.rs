@@ -1,10 +1,9 @@
 //! Flexible bodies of a model that is only checked: their files are read, not reduced.
 
 use super::cache::{self, Kept, Recorded};
-use super::{failed, mesh_of, reduction_failed, request, sense};
+use super::{failed, mesh_of, plausibility, reduction_failed, request};
 use crate::{Sources, codes};
-use eng_flexible::FlexibleError;
-use eng_flexible::markers::select;
+use eng_flexible::markers::{numbered, select};
 use eng_flexible::mesh::{Material, Mesh, SupportCards, Unread};
 use eng_flexible::reduce::{Outline, outline};
 use eng_flexible::store::Key;
@@ -17,17 +16,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The answers of a body's files to the questions of a check. Only bodies without an error have one.
 #[derive(Debug, Serialize, Deserialize)]
-struct Look {
+struct Inspection {
     key: Key,
     /// Name and hash of each file that was read.
     files: Vec<(String, String)>,
-    facts: Facts,
+    facts: MeshFacts,
     outline: Outline,
 }
 
 /// The facts of a mesh in SI that decide its warnings.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Facts {
+pub(super) struct MeshFacts {
     /// Largest extent along an axis (m).
     pub size: f64,
     pub materials: Vec<Material>,
@@ -36,15 +35,15 @@ pub(super) struct Facts {
     pub doubts: Vec<String>,
 }
 
-impl Facts {
-    fn of(mesh: &Mesh) -> Facts {
+impl MeshFacts {
+    fn of(mesh: &Mesh) -> MeshFacts {
         let extent = |axis: usize| {
             let places = || mesh.nodes.iter().filter_map(|node| node.position.get(axis));
             let low = places().fold(f64::INFINITY, |low, x| low.min(*x));
             let high = places().fold(f64::NEG_INFINITY, |high, x| high.max(*x));
             high - low
         };
-        Facts {
+        MeshFacts {
             size: (0..3).map(extent).fold(0.0, f64::max),
             materials: mesh.materials.clone(),
             support_cards: mesh.support_cards.clone(),
@@ -54,7 +53,7 @@ impl Facts {
     }
 }
 
-impl Kept for Look {
+impl Kept for Inspection {
     const ENDING: &str = "look";
 
     fn key(&self) -> Key {
@@ -66,20 +65,22 @@ impl Kept for Look {
     }
 }
 
-/// Looks at the bodies of a program. Each is made once, however many models and analyses have it, and kept in
+/// Inspections of the bodies of a program. Each is made once, however many models and analyses have it, and kept in
 /// the cache: the matrices of a mesh cost more than all the rest of a check.
 #[derive(Debug, Default)]
-pub(crate) struct Looks {
-    known: Mutex<Vec<Arc<Look>>>,
+pub(crate) struct Inspections {
+    known: Mutex<Vec<Arc<Inspection>>>,
 }
 
-impl Looks {
+impl Inspections {
     /// The errors and doubts of mesh and markers.
     pub(crate) fn inspect(&self, sources: &Sources, source: &FlexibleSource) -> Vec<Diagnostic> {
         let key = key(sources, source);
-        if let Some(look) = key.and_then(|key| self.find(sources, &key)) {
-            let mut found = sense::doubts(&look.facts, source);
-            found.extend(sense::unread(&look.facts.unread, source).map(|refusal| *refusal));
+        if let Some(inspection) = key.and_then(|key| self.find(sources, &key)) {
+            let mut found = plausibility::doubts(&inspection.facts, source);
+            found.extend(
+                plausibility::unread(&inspection.facts.unread, source).map(|refusal| *refusal),
+            );
             return found;
         }
         let files = Recorded::new(sources);
@@ -87,8 +88,8 @@ impl Looks {
             Ok(made) => made,
             Err(diagnostic) => return vec![*diagnostic],
         };
-        let mut found = sense::doubts(&Facts::of(&mesh), source);
-        found.extend(sense::refusal(&mesh, source).map(|refusal| *refusal));
+        let mut found = plausibility::doubts(&MeshFacts::of(&mesh), source);
+        found.extend(plausibility::refusal(&mesh, source).map(|refusal| *refusal));
         found.extend(wrong_markers(&mesh, source));
         if !found.iter().any(|d| d.severity == Severity::Error) {
             // the compilation of the model reports an error of the matrices
@@ -105,27 +106,27 @@ impl Looks {
         turned: &[bool],
     ) -> Result<Outline, Box<Diagnostic>> {
         let key = key(sources, source);
-        let look = match key.and_then(|key| self.find(sources, &key)) {
-            Some(look) => look,
+        let inspection = match key.and_then(|key| self.find(sources, &key)) {
+            Some(inspection) => inspection,
             None => {
                 let files = Recorded::new(sources);
                 let (mesh, units) = mesh_of(&files, source)?;
-                if let Some(refusal) = sense::refusal(&mesh, source) {
+                if let Some(refusal) = plausibility::refusal(&mesh, source) {
                     return Err(refusal);
                 }
                 self.make(key, &files, (mesh, units), source)?
             }
         };
-        sense::bare_markers(look.outline.turns(), source, turned)?;
-        Ok(look.outline.clone())
+        plausibility::bare_markers(inspection.outline.turns(), source, turned)?;
+        Ok(inspection.outline.clone())
     }
 
-    /// Keeps all looks in the cache of sources.
+    /// Keeps all inspections in the cache of sources.
     pub(crate) fn save(&self, sources: &Sources) -> std::io::Result<()> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known
             .iter()
-            .try_for_each(|look| cache::save(sources, &**look))
+            .try_for_each(|inspection| cache::save(sources, &**inspection))
     }
 
     /// Whether the program has no flexible body.
@@ -139,13 +140,16 @@ impl Looks {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known
             .iter()
-            .flat_map(|look| cache::named(&look.files))
+            .flat_map(|inspection| cache::named(&inspection.files))
             .collect()
     }
 
-    fn find(&self, sources: &Sources, key: &Key) -> Option<Arc<Look>> {
+    fn find(&self, sources: &Sources, key: &Key) -> Option<Arc<Inspection>> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known.iter().find(|look| look.key == *key).map(Arc::clone);
+        let found = known
+            .iter()
+            .find(|inspection| inspection.key == *key)
+            .map(Arc::clone);
         drop(known);
         found.or_else(|| Some(self.remember(cache::load(sources, key)?)))
     }
@@ -156,35 +160,35 @@ impl Looks {
         files: &Recorded,
         (mut mesh, units): (Mesh, MeshUnits),
         source: &FlexibleSource,
-    ) -> Result<Arc<Look>, Box<Diagnostic>> {
-        let facts = Facts::of(&mesh);
+    ) -> Result<Arc<Inspection>, Box<Diagnostic>> {
+        let facts = MeshFacts::of(&mesh);
         let request = request::request(source, files, &mut mesh, units)?;
         let outline = outline(mesh, &request).map_err(|e| reduction_failed(&e, source))?;
-        let look = |key, files| Look {
+        let inspection = |key, files| Inspection {
             key,
             files,
             facts,
             outline,
         };
-        // a file that can be read once and not again has no key, and its look is not kept
+        // a file that can be read once and not again has no key, and its inspection is not kept
         let Some(key) = key else {
-            return Ok(Arc::new(look(Key([0; 32]), Vec::new())));
+            return Ok(Arc::new(inspection(Key([0; 32]), Vec::new())));
         };
-        let look = self.remember(look(key, files.read_files()));
+        let inspection = self.remember(inspection(key, files.read_files()));
         // without it the next check reads the mesh again
-        let _ = cache::save(files.sources(), &*look);
-        Ok(look)
+        let _ = cache::save(files.sources(), &*inspection);
+        Ok(inspection)
     }
 
-    fn remember(&self, look: Look) -> Arc<Look> {
-        let look = Arc::new(look);
+    fn remember(&self, inspection: Inspection) -> Arc<Inspection> {
+        let inspection = Arc::new(inspection);
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        known.push(Arc::clone(&look));
-        look
+        known.push(Arc::clone(&inspection));
+        inspection
     }
 }
 
-/// The key of a look: modes are not computed, so bodies that differ in computed modes alone share one.
+/// The key of an inspection: modes are not computed, so bodies that differ in computed modes alone share one.
 fn key(sources: &Sources, source: &FlexibleSource) -> Option<Key> {
     let mut looked = source.clone();
     looked
@@ -198,11 +202,7 @@ fn wrong_markers(mesh: &Mesh, source: &FlexibleSource) -> Vec<Diagnostic> {
     let index = mesh.node_index();
     let markers = source.markers.iter().filter_map(|marker| {
         let error = match &marker.place {
-            MarkerPlace::Node(id) if index.contains_key(id) => return None,
-            MarkerPlace::Node(id) => FlexibleError::Structure {
-                problem: format!("{}: the mesh has no node {id}", marker.name),
-                advice: "check the number; or gather nodes by a ring or a set".into(),
-            },
+            MarkerPlace::Node(id) => numbered(&index, &marker.name, *id).err()?,
             MarkerPlace::Gathered { nodes, .. } => select(mesh, &marker.name, nodes).err()?,
         };
         Some(*failed(

@@ -1,8 +1,9 @@
 //! Doubts about a mesh: units that make no engine part, cards that were not read, markers that cannot turn.
 
-use super::look::Facts;
-use super::{failed, span};
+use super::failed;
+use super::inspection::MeshFacts;
 use crate::codes;
+use crate::places::span;
 use eng_flexible::FlexibleError;
 use eng_flexible::mesh::{Carries, Code, Element, ElementKind, Mesh, Unread, Variant};
 use eng_flexible::units::{MeshUnits, differ};
@@ -20,7 +21,7 @@ const DENSITIES: (f64, f64) = (50.0, 25_000.0);
 const MODULI: (f64, f64) = (1e6, 2e12);
 
 /// Doubts about a mesh in SI.
-pub(super) fn doubts(mesh: &Facts, source: &FlexibleSource) -> Vec<Diagnostic> {
+pub(super) fn doubts(mesh: &MeshFacts, source: &FlexibleSource) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let size = mesh.size;
     let outside = |x: f64, (least, most): (f64, f64)| x.is_nan() || x < least || x > most;
@@ -166,7 +167,7 @@ pub(super) fn units(mesh: &mut Mesh, file: &MeshFile) -> Result<MeshUnits, Flexi
 }
 
 /// The supports of the deck, if the body does not use them.
-fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic> {
+fn supports_left_out(mesh: &MeshFacts, source: &FlexibleSource) -> Option<Diagnostic> {
     if source.support_of_deck || source.stiffness.is_some() {
         return None;
     }
@@ -205,7 +206,7 @@ fn supports_left_out(mesh: &Facts, source: &FlexibleSource) -> Option<Diagnostic
 
 /// Texts of `ignore` that mean nothing in the file.
 fn ignored_for_nothing<'a>(
-    mesh: &'a Facts,
+    mesh: &'a MeshFacts,
     source: &'a FlexibleSource,
 ) -> impl Iterator<Item = Diagnostic> + 'a {
     let nothing = |ignored: &&String| {

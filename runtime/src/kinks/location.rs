@@ -1,8 +1,8 @@
 //! Where kinks lie about a step: within its last trial, ahead of the last accepted state, and at both.
 
-use super::beside::APART;
 use super::clocks::Change;
 use super::crossing::{BEGIN, crossing, roots, same_side, tip};
+use super::neighbours::APART;
 use super::{Crossing, Item, Kinks, Limit};
 use crate::integrator::STATE_SHARE;
 
