@@ -466,6 +466,15 @@ fn a_flat_tappet_refuses_a_cam_that_it_cannot_follow() {
         told.contains("radius of curvature of this cam falls to"),
         "{told}"
     );
+    // a table that ends at the base circle, and is read around the cam
+    let ends =
+        "table profile(a: Angle) -> Length = points([-65, -30, 0, 30, 65] deg, [0, 5, 9, 5, 0] mm)";
+    let told = refusal(&corner.replace(points, ends), "run");
+    assert!(
+        told.contains("table profile is read before its first point")
+            && told.contains("`periodic:`"),
+        "{told}"
+    );
 }
 
 /// The path of the axis has the curvature `(R - R'')/R²` at the nose, where R' is zero: the largest roller has its inverse as radius.

@@ -632,6 +632,42 @@ fn a_wrapped_angle_keeps_its_interval_its_turns_and_its_rate() {
     );
 }
 
+/// A damper and a drive between a wheel and `ground` do not hold the wheel where it would begin: its bolts place it, and the block
+/// stays. The ground marker of the damper is where the wheel is.
+#[test]
+fn a_force_on_the_ground_places_no_body() {
+    let text = "
+        use std.joints.{Fixed, PointOnPlane}
+        use std.drivelines.RotationalDamper
+        use std.drives.PrescribedRotation
+        use std.journals.Impedance
+        model Shaft {
+            gravity = [-9.81, 0, 0] m/s^2
+            body block { mass = 60 kg; inertia = [2, 2, 2] kg*m^2; marker support = origin; marker shell[k in 1..2] = [0, 0, [-100, 100][k]] mm }
+            body shaft { mass = 10 kg; inertia = [40, 40, 20] g*m^2; marker neck[k in 1..2] = [0, 0, [-100, 100][k]] mm; marker end = [0, 0, 230] mm; start angular_velocity = [0, 0, 100] rad/s }
+            body wheel { mass = 10 kg; inertia = [50, 50, 100] g*m^2; marker hub = origin }
+            joint mounts = Fixed(block.support, ground)
+            joint thrust = PointOnPlane(shaft.neck[1], block.shell[1])
+            journal film[k in 1..2] = Impedance(shaft.neck[k], block.shell[k], diameter: 50 mm, width: 20 mm, radial_clearance: 25 um, viscosity: 10 mPa*s)
+            joint bolts = Fixed(wheel.hub, shaft.end)
+            load
+            output wheel_at = dot(wheel.hub.origin, ground.z)
+            output block_at = dot(block.support.origin, ground.z)
+        }
+        analysis turn = transient(Shaft(), duration: 1 ms, sample: 1 ms)";
+    for load in [
+        "force brake = RotationalDamper(wheel.hub, ground, damping: 0.001 N*m*s/rad)",
+        "drive turn = PrescribedRotation(wheel.hub, ground, speed: 100 rad/s)",
+    ] {
+        let text = text.replace("            load\n", &format!("{load}\n"));
+        let outcome = run(&crate::support::program(&text), "turn");
+        let at = |path: &str| outcome.results.column(path).expect("an output").values[0];
+        let (wheel, block) = (at("wheel_at"), at("block_at"));
+        assert!((wheel - 0.23).abs() < 1e-6, "{load}: {wheel}");
+        assert!(block.abs() < 1e-9, "{load}: {block}");
+    }
+}
+
 /// A class places its parts: a pin in the middle of a bush, a ball and a sliding block in touch with a plate. Stated
 /// positions and guesses have priority, and a stop that cannot be reached has no influence.
 #[test]

@@ -280,8 +280,16 @@ impl BindProgram {
                 MessagePart::Text(_) => true,
                 MessagePart::Value(n, _) => at(n).is_finite(),
             };
-            if check.advise && !check.message.iter().all(known) {
-                continue;
+            if !check.message.iter().all(known) {
+                if check.advise {
+                    continue;
+                }
+                if let outside @ Some(_) = self.outside(values, tables) {
+                    return Err(BindError::NotFinite {
+                        path: check.path.clone(),
+                        outside,
+                    });
+                }
             }
             let message: String = check
                 .message

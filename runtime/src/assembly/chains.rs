@@ -126,7 +126,7 @@ pub fn through(model: &Model, element: usize, state: &State) -> Option<Chain> {
 }
 
 /// Number of equations of a joint that are lengths.
-fn held_lengths(model: &Model, element: usize) -> usize {
+pub(super) fn held_lengths(model: &Model, element: usize) -> usize {
     let rows = model.class(element).rows.iter();
     rows.filter(|row| row.dimension == Dimension::LENGTH)
         .count()

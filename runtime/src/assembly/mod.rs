@@ -26,6 +26,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, V3, quaternion};
 use crate::state::State;
+use chains::held_lengths;
 use eng_system::system::{ConditionKind, Role, Rotation};
 use rows::{At, Rows};
 use std::f64::consts::PI;
@@ -89,15 +90,9 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
 
     check_guesses(model, &state)?;
 
-    // a ground marker that follows its partner takes the partner's position, so it cannot place the partner's
-    // body
-    for marker in &model.markers {
-        if let Some(body) = marker
-            .placed_at
-            .and_then(|partner| model.markers[partner].body)
-        {
-            places.position[body] = true;
-        }
+    // the equations of such a joint place no body, so a body that it joins to the ground stays at its first position
+    for body in joined_to_ground(model) {
+        places.position[body] = true;
     }
     let stated: Vec<bool> = places
         .position
@@ -167,8 +162,19 @@ pub fn assemble(model: &mut Model) -> Result<State, RuntimeError> {
     Ok(state)
 }
 
+/// The bodies that a joint with equations of lengths joins to `ground`. A ground marker without a place of its own follows
+/// the other marker of its element, so these equations hold at any position. Forces and drives on such markers hold no
+/// position: a damper to the ground on a flywheel leaves the flywheel to its bolts.
+fn joined_to_ground(model: &Model) -> Vec<usize> {
+    let joints = model.constraining().filter(|e| held_lengths(model, *e) > 0);
+    let markers = joints.flat_map(|e| model.elements[e].markers.iter());
+    markers
+        .filter_map(|marker| model.markers[model.markers[*marker].placed_at?].body)
+        .collect()
+}
+
 /// The assembly as if the text had no guesses; `None` if it does not close, or leaves a pin outside of its shell. A body
-/// that a ground marker follows stays at its guess, because nothing else places it.
+/// that is joined to the ground stays at its guess, because nothing else places it.
 fn without_guesses(
     model: &Model,
     mut state: State,
@@ -176,12 +182,9 @@ fn without_guesses(
     mut places: placement::Stated,
     mut stated: Vec<bool>,
 ) -> Option<State> {
-    let partners = model.markers.iter().filter_map(|marker| marker.placed_at);
-    let followed: Vec<usize> = partners
-        .filter_map(|partner| model.markers[partner].body)
-        .collect();
+    let joined = joined_to_ground(model);
     for (body, guessed) in closing::guessed(model).enumerate() {
-        if guessed && !followed.contains(&body) {
+        if guessed && !joined.contains(&body) {
             let pose = model.bodies[body].pose;
             state.pose[pose..pose + 7].copy_from_slice(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
             places.position[body] = false;
