@@ -212,8 +212,8 @@ eng_grammar::codes! {
         "The cycle turns by more than 30 degrees between two samples, or a stated duration is less than 5 degrees. `sample: 2 rev` was probably meant as `2 deg`, and `duration: 4 deg` as `4 rev`. If this is intended, write `accept sampling` in the model.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
-    CYCLE = "W0765", "the cycle oscillates, or runs backwards under a gas trace",
-        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle oscillates, as that of a rod does, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
+    CYCLE = "W0765", "the cycle oscillates, stands still, or runs backwards under a gas trace",
+        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle oscillates, as that of a rod does, or does not change, as that of a block on its mounts, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
         "cycle angle = rotation(ground, crank.flange) { period = 720 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",

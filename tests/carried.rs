@@ -170,3 +170,27 @@ fn a_carried_engine_repeats() {
         close("sag", sag, -weight / 300e3, 1e-2);
     }
 }
+
+/// Two mounts under the feet of a rigid block carry the weight of the engine together.
+#[test]
+fn feet_carry_the_engine() {
+    let feet = "block_is: carried, block_feet: [[-100, -100, 0] mm, [-100, 300, 0] mm],";
+    let mount = "force mount[k in 1..2] = ElastomerMount(engine.block.foot[k], place[k]";
+    let text = three(3000.0, "big_ends: hinge", "drive_line: constant_speed")
+        .replace("block_is: carried,", feet)
+        .replace(
+            "marker foot = [0, 0, 0] mm",
+            "marker place[k in 1..2] = [-100, [-100, 300][k], 0]*(1 mm)",
+        )
+        .replace(
+            "force mount = ElastomerMount(engine.block.support, foot",
+            mount,
+        );
+    let outcome = run(&text, "fired");
+    let weight = (45.0 + 12.0 + 8.0 + 3.0 * (0.33 + 0.45)) * 9.81;
+    let mean = |path: &str| column(&outcome.results, path)[..360].iter().sum::<f64>() / 360.0;
+    let sags = [1, 2].map(|k| mean(&format!("mount[{k}].deflection.x")));
+    println!("{sags:?}");
+    close("both", (sags[0] + sags[1]) * 300e3, -weight, 1e-2);
+    assert_ne!(sags[0], sags[1], "the feet are apart");
+}

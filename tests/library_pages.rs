@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Modules of laws and of functions for them.
-const MODULES: [&str; 18] = [
+const MODULES: [&str; 21] = [
     "joints",
     "drives",
     "forces",
@@ -24,11 +24,15 @@ const MODULES: [&str; 18] = [
     "cylinder",
     "engine",
     "quick",
+    "journals",
+    "oils",
+    "materials",
 ];
 
 /// Words that begin an item of a file.
-const KINDS: [&str; 9] = [
+const KINDS: [&str; 10] = [
     "joint",
+    "journal",
     "drive",
     "force",
     "interface",
@@ -109,8 +113,10 @@ fn described(comment: &[&str]) -> String {
             }
             _ if line.is_empty() => out.push_str("\n\n"),
             _ => {
+                // rows of a table and items of a list
+                let begins = line.starts_with('|') || line.starts_with("- ");
                 if !out.is_empty() && !out.ends_with('\n') {
-                    out.push(' ');
+                    out.push(if begins { '\n' } else { ' ' });
                 }
                 out.push_str(line);
             }
@@ -160,7 +166,7 @@ fn the_page_of_the_library_has_its_comments() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut right = String::from(
         "# The library\n\nThe parts and laws of the library, from the comments of its texts in `stdlib/`. The first marker moves, the second is the\n\
-         reference, and forces and torques are those on the first. The films are in [bearings](bearings.md). `eng explain MODEL PATH` prints the\n\
+         reference, and forces and torques are those on the first. [Bearings](bearings.md) compares the films. `eng explain MODEL PATH` prints the\n\
          text of a class that a model uses. [Validation](validation.md) has the figures of the checks.\n",
     );
     for module in MODULES {

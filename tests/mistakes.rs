@@ -15,7 +15,7 @@ use std::sync::Mutex;
 
 /// The mistakes, those that are reported before a run, and those reported near their place. `docs/validation.md`
 /// states these figures.
-const FIGURES: [usize; 3] = [323, 315, 295];
+const FIGURES: [usize; 3] = [326, 318, 298];
 /// Lines that count as near.
 const LINES: usize = 3;
 

@@ -144,6 +144,7 @@ pub(crate) fn turned(
         Ok(Turned::Back(angle)) => {
             return (swings(system, angle).into_iter().collect(), Some(found));
         }
+        Ok(Turned::Held) => return (held(system).into_iter().collect(), Some(found)),
         Ok(Turned::Not) | Err(_) => return (Vec::new(), Some(found)),
     }
     let of_text = following.map_or(Vec::new(), |following| {
@@ -211,6 +212,20 @@ fn swings(system: &System, angle: f64) -> Option<Finding> {
             deg(angle)
         ),
         label: "an angle that oscillates".to_owned(),
+        help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
+        ..Finding::default()
+    })
+}
+
+/// A cycle whose angle the joints keep.
+fn held(system: &System) -> Option<Finding> {
+    Some(Finding {
+        code: codes::CYCLE,
+        name: lint::CYCLE.to_owned(),
+        origin: system.cycle.as_ref()?.origin.clone(),
+        message: "the cycle's angle does not change: no motion that the joints allow turns it"
+            .to_owned(),
+        label: "an angle that the joints hold".to_owned(),
         help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
         ..Finding::default()
     })

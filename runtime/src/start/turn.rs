@@ -64,6 +64,8 @@ pub enum Turned {
     Whole,
     /// No turn: no body, no cycle and no drive, or a cycle at rest at the start.
     Not,
+    /// No turn: the cycle is at rest, and no motion that the joints allow changes its angle.
+    Held,
     /// Up to this cycle angle (rad), at which it reverses without a lock: the angle belongs to a swinging
     /// body.
     Back(f64),
@@ -242,6 +244,12 @@ pub fn turn(
     }
     let [start, rate] = turning.cycle(&state)?;
     let stands = rate.abs() <= STANDS * state.fastest_turn(model);
+    if stands && cycle.is_some() {
+        return Ok(match turning.joints_hold_the_cycle(&state)? {
+            true => Turned::Held,
+            false => Turned::Not,
+        });
+    }
     if stands || !rate.is_finite() || !(period > 0.0 && period.is_finite()) {
         return Ok(Turned::Not);
     }
@@ -414,6 +422,16 @@ impl<'a> Turning<'a> {
         // a drive that holds the cycle leaves no such velocity
         let missed = (rows * &y - wanted).amax();
         Ok((missed < HELD).then(|| (0..y.len()).map(|i| y[i] * scales[i]).collect()))
+    }
+
+    /// Whether no motion that the joints allow turns the cycle. Drives take no part, because they may begin later.
+    fn joints_hold_the_cycle(mut self, state: &State) -> Result<bool, RuntimeError> {
+        let model = self.model;
+        let joints = model.constraining();
+        let joints = joints.filter(|e| !model.class(*e).facts.rows_over_time);
+        self.exact = Rows::new(model, joints.collect());
+        self.still = true;
+        Ok(self.velocity(state)?.is_none())
     }
 
     /// The position after `h` (s), with the cycle's angle and rate; `None` if the equations do not close.
