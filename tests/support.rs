@@ -1,4 +1,4 @@
-//! What tests of several files share: programs of texts, runs, refusals, columns, decays, a mesh, and folders.
+//! Helpers of several test files: programs of texts, runs, refusals, columns, decays, a mesh, and folders.
 
 use eng::{Outcome, Program, Results, Sources};
 use std::fmt::Write;

@@ -17,6 +17,7 @@ pub mod leap;
 pub mod motion;
 pub mod repetition;
 pub mod whirl;
+mod wide;
 
 use crate::body::BodyModel;
 use crate::decay::{CycleReport, Decay, Mode};
@@ -35,6 +36,7 @@ use repetition::{Comparison, Growth};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use whirl::Whirl;
+use wide::{Wide, distance_of_two};
 
 /// Number of cycles whose orbits are searched for whirl. A choice: eight cycles show its order and its
 /// growth.
@@ -67,35 +69,6 @@ const ERRATIC_CYCLES: usize = 8;
 const ALIKE: f64 = 2.0;
 /// Ratio beyond which a factor contradicts such equality. A choice well above [`ALIKE`].
 const UNLIKE: f64 = 5.0;
-/// Factor on the tolerance of the first cycles, and the largest factor that they have with it. With the first their
-/// steps are three times as long and their errors ten times as large, a hundredth of the swing of a film's force. With
-/// more the slow motion would not be that of the engine.
-const WIDE: f64 = 30.0;
-const WIDEST: f64 = 30.0;
-/// Least factor that is worth such cycles. A choice: steps one and a half times as long.
-const WORTH: f64 = 3.0;
-/// Multiple of the requested change at which cycles of such steps end, and their largest number; and the least
-/// largest number of all cycles for which there are any. Choices: nearer to the limit the errors of wide steps hide the
-/// motion, and three differences need four cycles.
-const WIDELY: f64 = 5.0;
-const WIDE_CYCLES: u32 = 5;
-const LEAST_CYCLES: u32 = 12;
-/// Their samples lie as many times farther apart, but are as many at least where the stated ones are. Choices: 72
-/// samples of a cycle, every 10°, show the motion of a drive line.
-const SPARSE: f64 = 4.0;
-const LEAST_SAMPLES: f64 = 72.0;
-/// Part of the first cycle that has wider steps where only films settle. A choice: pins find their orbits within half a
-/// revolution, so the errors of the wider steps are gone at the end of the cycle.
-const SETTLING: f64 = 0.5;
-/// Least requested change for such a cycle. A choice: pins lose the errors of the wider steps in half a cycle, a hundredth of a
-/// swing, down to some thousandths. With a smaller change one more cycle would follow, and nothing would be won.
-const COARSE: f64 = 5e-3;
-/// Least factor of a decay that two cycles show by themselves. A choice: with it the distance to the limit is at least the
-/// change, because a film that settles within degrees says nothing about a slower motion beside it.
-const LEAST_FACTOR: f64 = 0.5;
-/// Factor of a decay that is assumed where two cycles show none. A choice: a slower decay would be that of a drive line or of a
-/// mount. It would move bodies by far more than the clearances by which the difference counts.
-const ASSUMED_FACTOR: f64 = 0.9;
 /// Least number of plain cycles after a leap: two differences show whether the changes shrink.
 const PLAIN_CYCLES: usize = 3;
 /// Most samples of a cycle. A choice: the samples of a cycle are kept in memory.
@@ -272,30 +245,6 @@ fn left_by(simulation: &mut Simulation, period: f64) -> Result<Option<Unstable>,
     }))
 }
 
-/// Whether films settle in the first cycle. The motion of turning flexible bodies in films already repeats at the start.
-fn films_settle(simulation: &Simulation) -> bool {
-    let repeats = match simulation.start() {
-        StartReport::QuasiStatic(found) | StartReport::Equilibrium(found) => {
-            found.turning.is_some()
-        }
-        _ => false,
-    };
-    !repeats && !simulation.model().compiled.system.journals.is_empty()
-}
-
-/// Estimated distance to the limit after the first two cycles behind the one in which films settled: the smaller of two. Either
-/// the change decays within the cycle, by a factor that it shows. Or it is noise of the steps, and a decay may hide below it. Then
-/// all later differences of the motion sum up to a share of the clearance. `moved` is the last one as such a share.
-fn distance_of_two(change: f64, factor: f64, moved: f64) -> f64 {
-    let reach = |factor: f64| factor / (1.0 - factor);
-    let decays = if factor < 1.0 {
-        change * reach(factor.max(LEAST_FACTOR))
-    } else {
-        f64::INFINITY
-    };
-    decays.min(change.max(moved * reach(ASSUMED_FACTOR)))
-}
-
 /// Samples of a cycle, including both ends.
 #[derive(Clone, Debug, Default)]
 struct Record {
@@ -394,36 +343,6 @@ struct Cycles<'a> {
     observer: &'a mut dyn Observer,
 }
 
-/// Cycles with a wider tolerance than the stated one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Wide {
-    /// Factor on the tolerances.
-    tolerance: f64,
-    /// Samples of a cycle.
-    samples: usize,
-    /// Whether these are the steps of the first cycle alone, in which films settle; and whether the cycle has come to its
-    /// steps of the stated tolerance.
-    settles: bool,
-    settled: bool,
-}
-
-impl Wide {
-    /// Such cycles of an analysis, if they are worth it.
-    fn of(periodic: &Periodic, samples: f64) -> Option<Wide> {
-        let StepControl::Tolerance(stated) = periodic.integration.step else {
-            return None;
-        };
-        let tolerance = (WIDE * stated).min(WIDEST);
-        let sparse = libm::ceil((samples / SPARSE).max(LEAST_SAMPLES.min(samples)));
-        (tolerance >= WORTH * stated && periodic.cycles >= LEAST_CYCLES).then_some(Wide {
-            tolerance,
-            samples: sparse as usize,
-            settles: false,
-            settled: false,
-        })
-    }
-}
-
 /// What is known of the cycles that are forgotten.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Left {
@@ -466,27 +385,8 @@ impl Observer for Cycles<'_> {
         self.observer.stepped();
     }
 
-    /// A cycle that a drive turns at its own speed has no motion of a drive line that could be slow: then wider steps serve in
-    /// the first cycle at most.
     fn at_start(&mut self, simulation: &mut Simulation) -> Result<Option<[f64; 2]>, RuntimeError> {
-        if let Some(wide) = &mut self.wide
-            && !simulation.cycle_accelerates()?
-        {
-            wide.settles = true;
-            if self.limit.change < COARSE || !films_settle(simulation) {
-                self.wide = None;
-            }
-        }
-        Ok(self.wide.map(|wide| {
-            simulation.set_tolerance(wide.tolerance);
-            self.grid = if wide.settles {
-                // nothing is compared with this cycle
-                wide.samples.min(LEAST_SAMPLES as usize)
-            } else {
-                wide.samples
-            };
-            [self.grid, wide.samples].map(|count| self.period / count as f64)
-        }))
+        self.begin_wide(simulation)
     }
 
     fn sample(&mut self, sample: &Sample<'_>) -> ControlFlow<()> {
@@ -547,7 +447,7 @@ impl Observer for Cycles<'_> {
             self.now = Record::default();
             return Ok(Some(self.renewed(simulation, true)));
         }
-        if self.wide.is_some() && (far <= WIDELY || self.done >= WIDE_CYCLES || whirls) {
+        if self.wide.is_some() && (wide::ends(far, self.done) || whirls) {
             let known = self.moved.mode.filter(|mode| leap::is_known(*mode));
             self.left = known.map(|mode| Left {
                 mode,
@@ -781,60 +681,6 @@ impl Cycles<'_> {
         self.orbits.clear();
     }
 
-    /// The first cycle of a model whose films settle: near its end the steps have the stated tolerance, and the next cycle has
-    /// the stated samples.
-    fn settle(&mut self, simulation: &mut Simulation, ended: bool) -> Option<Renewed> {
-        let (StepControl::Tolerance(stated), Some(wide)) =
-            (self.limit.integration.step, &mut self.wide)
-        else {
-            return None;
-        };
-        let turned = simulation.cycle_angle().unwrap_or(0.0) - simulation.cycle_start();
-        if !wide.settled && turned.abs() >= SETTLING * self.period {
-            wide.settled = true;
-            simulation.set_tolerance(stated);
-            let factor = libm::cbrt(stated / wide.tolerance);
-            simulation.renew_steps(simulation.next_step() * factor);
-        }
-        if !ended {
-            return None;
-        }
-        let wide = *wide;
-        self.forget();
-        self.wide = None;
-        self.settled = true;
-        // the last cycle alone needs all samples, and it is not the next one
-        let few = self.samples.is_multiple_of(wide.samples);
-        Some(self.with_samples(if few { wide.samples } else { self.samples }))
-    }
-
-    /// The beginning of a cycle with the stated tolerance and some samples.
-    fn with_samples(&mut self, samples: usize) -> Renewed {
-        self.grid = samples;
-        Renewed {
-            first_step: 1.0,
-            sample: self.period / samples as f64,
-            longest: self.period / self.samples as f64,
-            leapt: false,
-        }
-    }
-
-    /// The beginning of a cycle with the stated tolerance and samples. The error of a step is of third order.
-    fn renewed(&mut self, simulation: &mut Simulation, leapt: bool) -> Renewed {
-        let mut first_step = 1.0;
-        if let (StepControl::Tolerance(stated), Some(wide)) =
-            (self.limit.integration.step, self.wide.take())
-        {
-            simulation.set_tolerance(stated);
-            first_step = libm::cbrt(stated / wide.tolerance);
-        }
-        Renewed {
-            first_step,
-            leapt,
-            ..self.with_samples(self.samples)
-        }
-    }
-
     /// Whether the motion repeats within the tolerance of its steps, now and by its own estimate, while the
     /// change of an output neither shrinks nor follows from earlier cycles.
     fn only_noise(&mut self) -> bool {
@@ -898,18 +744,7 @@ impl Cycles<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Progress, distance_of_two};
-
-    #[test]
-    fn two_cycles_show_a_decay_or_a_motion_that_repeats() {
-        // a film that settles within the cycle is no measure of a slower motion
-        assert_eq!(distance_of_two(8e-3, 1e-3, 1.0), 8e-3);
-        // a mount that decays by 0.9 a cycle is far from its limit
-        assert!((distance_of_two(8e-3, 0.9, 1.0) - 7.2e-2).abs() < 1e-12);
-        // differences that do not decay: the noise of steps, or a drift
-        assert_eq!(distance_of_two(3e-3, 4.0, 1e-4), 3e-3);
-        assert!((distance_of_two(3e-3, 4.0, 2e-3) - 1.8e-2).abs() < 1e-12);
-    }
+    use super::Progress;
 
     #[test]
     fn progress_grows_where_more_cycles_are_foreseen() {
