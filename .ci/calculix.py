@@ -1,8 +1,9 @@
 """Compares the frequencies of CalculiX' decks with those that ccx computes. Usage: calculix.py ENG CCX FOLDER ELEMENT [TABLE]
 
 ENG and CCX are the commands. Each deck of the folder with elements of the type ELEMENT (such as C3D20R) becomes a frequency deck: its model
-as it is, with the supports of its first step, which hold where that step moves, and one step that asks for ten modes. A material without
-*DENSITY gets one. ccx computes it, and `eng reduce` with `element_rules = calculix` and the supports of the deck gives as many frequencies.
+as it is, with the supports of its first step, which hold where that step moves, and one step that asks for ten modes. Sections of pre-tension
+are closed, as in Eng. A material without *DENSITY gets one. ccx computes it, and `eng reduce` with `element_rules = calculix` and the
+supports of the deck gives as many frequencies.
 If the supports hold nothing, or leave rigid motions, both compute the free body. Of a free body those below 1e-4 of the largest are rigid
 motions. TABLE gets a line for each deck. The counts are printed by answer, then the differences above 1e-6 and the refusals.
 """
@@ -72,6 +73,8 @@ def frequency_deck(lines: list[str], supports: bool, modes: int) -> str:
                 held.append(holding(block))
         elif steps == 0:
             made.append(block)
+            if keyword == "PRE-TENSION SECTION" and (node := re.search(r"NODE\s*=\s*([^,\s]+)", block[0], re.I)):
+                held.append(["*BOUNDARY", f"{node[1]},1"])
     dense: list[list[str]] = []
     for block in made:
         dense.append(block)

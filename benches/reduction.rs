@@ -175,6 +175,7 @@ fn cubes(cells: [u32; 3], is_there: impl Fn([u32; 3]) -> bool) -> Mesh {
             poisson: 0.26,
             density: 7200.0,
             sheet: None,
+            solid: None,
         }],
         properties: vec![Property {
             name: "block".into(),

@@ -27,6 +27,8 @@
     )
 )]
 
+mod axes;
+mod elasticity;
 pub mod element;
 mod error;
 pub mod fe;

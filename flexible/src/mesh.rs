@@ -9,6 +9,8 @@ use eng_system::significant::short;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+pub use crate::axes::{Coordinates, LocalAxes};
+pub use crate::elasticity::{SheetElasticity, SolidElasticity};
 pub use crate::element::{ABSENT, ElementKind};
 use crate::error::FlexibleError;
 
@@ -315,57 +317,21 @@ pub(crate) fn section_at(stations: &[Station], share: f64) -> BeamSection {
     }
 }
 
-/// A linear elastic material, isotropic unless it is that of a sheet.
+/// A linear elastic material, isotropic unless it has the elasticity of a sheet or of an anisotropic solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// The file's number or name.
     pub name: String,
-    /// Young's modulus; that along the first axis of a sheet.
+    /// Young's modulus; that along the first axis of a sheet or of an anisotropic solid.
     pub young: f64,
-    /// Poisson's ratio.
+    /// Poisson's ratio; of an anisotropic solid the contraction along its second axis by a pull along the first.
     pub poisson: f64,
     /// Density.
     pub density: f64,
     /// Elasticity of an anisotropic sheet. Only shells can be made of it.
     pub sheet: Option<SheetElasticity>,
-}
-
-/// Elasticity of a sheet in its own axes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SheetElasticity {
-    /// Stiffness in plane stress: 11, 22, 12 of stress for those of strain, with engineering shear.
-    pub plane: [[f64; 3]; 3],
-    /// Stiffness of the shear across the sheet along both axes; `None`: without shear flexibility.
-    pub across: Option<[[f64; 2]; 2]>,
-}
-
-impl SheetElasticity {
-    /// An orthotropic sheet of E₁, E₂, ν₁₂, G₁₂, and of G₁₃, G₂₃ across it, which are both zero without shear
-    /// flexibility: `Q₁₁ = E₁/(1 − ν₁₂ ν₂₁)`, `Q₁₂ = ν₂₁ Q₁₁`, `Q₂₂ = E₂/(1 − ν₁₂ ν₂₁)` with `ν₂₁ = ν₁₂ E₂/E₁` (R. M.
-    /// Jones, Mechanics of Composite Materials, 2nd ed., §2.4); `None` if some strain costs nothing.
-    pub fn orthotropic(
-        [first, second, poisson, shear]: [f64; 4],
-        [along, beside]: [f64; 2],
-    ) -> Option<Self> {
-        let other = poisson * second / first;
-        let rest = 1.0 - poisson * other;
-        let sound = [first, second, shear, rest]
-            .iter()
-            .all(|x| *x > 0.0 && x.is_finite());
-        let flexible = match (along, beside) {
-            (0.0, 0.0) => false,
-            (a, b) if a > 0.0 && b > 0.0 && a.is_finite() && b.is_finite() => true,
-            _ => return None,
-        };
-        sound.then_some(SheetElasticity {
-            plane: [
-                [first / rest, other * first / rest, 0.0],
-                [other * first / rest, second / rest, 0.0],
-                [0.0, 0.0, shear],
-            ],
-            across: flexible.then_some([[along, 0.0], [0.0, beside]]),
-        })
-    }
+    /// Elasticity of an anisotropic solid with its axes. Only solids can be made of it.
+    pub solid: Option<SolidElasticity>,
 }
 
 /// A mass at a node.
@@ -757,7 +723,7 @@ impl Mesh {
             let mut lacking = false;
             for own in self.materials.iter_mut().filter(|own| own.density == 0.0) {
                 lacking = true;
-                if own.sheet.is_some() {
+                if own.sheet.is_some() || own.solid.is_some() {
                     return wrong(
                         format!(
                             "the mesh's material {} lacks a density, and is not isotropic",
@@ -810,6 +776,7 @@ impl Mesh {
             poisson,
             density,
             sheet: None,
+            solid: None,
         });
         Ok(())
     }

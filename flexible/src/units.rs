@@ -34,9 +34,13 @@ impl Mesh {
             layer.thickness *= length;
         }
         for material in &mut self.materials {
-            material.young *= force / (length * length);
+            let stress = force / (length * length);
+            material.young *= stress;
+            if let Some(solid) = &mut material.solid {
+                solid.stiffness = solid.stiffness.map(|row| row.map(|x| x * stress));
+                solid.axes.origin = solid.axes.origin.map(|x| x * length);
+            }
             if let Some(sheet) = &mut material.sheet {
-                let stress = force / (length * length);
                 sheet.plane = sheet.plane.map(|row| row.map(|x| x * stress));
                 sheet.across = sheet
                     .across

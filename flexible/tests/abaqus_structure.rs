@@ -1006,19 +1006,42 @@ fn problems_tell_their_place() {
     assert_eq!(problem("*HEADING\nempty\n").place, Place::File);
 }
 
-/// Their data files are not needed, and the hyphen belongs to the name.
+/// A cut by its node's displacement is closed, and told unless this displacement is held. A node of the body is no such node.
 #[test]
-fn matrices_and_pre_tension_are_named() {
-    let lost = |keyword: &str| {
-        let mesh = mesh(&format!("{CUBES}{keyword}\n"));
-        let unread = mesh.unread.into_iter();
-        let lost = unread.filter(|unread| unread.carries != Carries::Nothing);
-        lost.map(|unread| (unread.name, unread.carries))
-            .collect::<Vec<_>>()
+fn sections_of_pre_tension_are_closed() {
+    let read = |lines: &str| {
+        let mesh = mesh(&format!("{CUBES}{lines}\n"));
+        let listed = mesh.unread.into_iter();
+        let lost = listed.filter(|unread| unread.carries != Carries::Nothing);
+        let names: Vec<String> = lost.map(|unread| unread.name).collect();
+        (names, mesh.doubts)
     };
-    let pretension = "*PRE-TENSION SECTION".to_string();
-    let keyword = "*PRE-TENSION SECTION, SURFACE=S, NODE=1";
-    assert_eq!(lost(keyword), [(pretension, Carries::Structure)]);
+    let keyword = "*PRE-TENSION SECTION, SURFACE=S, NODE=100\n0., 0., 1.";
+    let (lost, doubts) = read(keyword);
+    assert_eq!(lost, [""; 0]);
+    assert!(
+        doubts[0].contains(
+            "*PRE-TENSION SECTION is closed, as if the displacement of its node 100 were held"
+        ),
+        "{doubts:?}"
+    );
+    let (lost, doubts) = read(&format!("{keyword}\n*BOUNDARY\n100, 1"));
+    assert_eq!((lost.len(), doubts.len()), (0, 0));
+    let used = "*PRE-TENSION SECTION with a node of a tie or element";
+    for lines in [
+        "*PRE-TENSION SECTION, SURFACE=S, NODE=1",
+        "*PRE-TENSION SECTION, SURFACE=S, NODE=100\n*EQUATION\n2\n100, 1, 1., 1, 1, 1.",
+    ] {
+        assert_eq!(read(lines).0, [used], "{lines}");
+    }
+    let absent = problem(&format!(
+        "{CUBES}*PRE-TENSION SECTION, SURFACE=S, NODE=999\n"
+    ));
+    assert!(absent.problem.contains("node 999 is missing"), "{absent}");
+}
+
+#[test]
+fn absent_files_of_matrices_are_named() {
     let absent = problem(&format!(
         "{CUBES}*MATRIX INPUT, NAME=K, INPUT=missing.mtx\n"
     ));

@@ -1,6 +1,6 @@
-//! Couplings and rigid bodies of CalculiX against the frequencies that it prints, and the mistakes in them.
+//! Couplings, rigid bodies and mean rotations of CalculiX against the frequencies that it prints, and the mistakes in them.
 
-use eng_flexible::mesh::{Carries, Code, Mesh, Tie};
+use eng_flexible::mesh::{Carries, Code, Mesh, SCALAR, Tie};
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Reduced, Request, Term, reduce};
 use eng_flexible::solve::Modes;
@@ -50,7 +50,7 @@ fn frequencies_are_those_of_calculix() {
     file.read_to_string(&mut text).unwrap();
     let reference: Value = serde_json::from_str(&text).unwrap();
     let decks = reference.as_object().unwrap();
-    assert_eq!(decks.len(), 7);
+    assert_eq!(decks.len(), 9);
     for (name, printed) in decks {
         let file = format!("{name}.inp");
         let mesh = read_inp(&Decks(String::new()), &file, Code::CalculiX).unwrap();
@@ -231,6 +231,17 @@ fn contents_that_are_not_read_are_listed() {
             "DCOUP3D elements without *DISTRIBUTING COUPLING",
         ),
         (
+            format!("{MEAN}*ELEMENT, TYPE=MASS, ELSET=M\n901, 910\n*MASS, ELSET=M\n1.\n"),
+            Code::CalculiX,
+            "elements at the last node of a MEANROT",
+        ),
+        (
+            format!("{MEAN}*MPC\nPIN, 910, 901\n"),
+            Code::CalculiX,
+            "ties of the last node of a MEANROT",
+        ),
+        (MEAN.to_string(), Code::Abaqus, "*MPC MEANROT"),
+        (
             "*SURFACE, NAME=A, TYPE=NODE\nTIP\n*TIE, MULTISTAGE, NAME=T\nA, A\n".to_string(),
             Code::CalculiX,
             "*TIE of a sector or a multiplier",
@@ -254,4 +265,68 @@ fn contents_that_are_not_read_are_listed() {
             ..
         }]
     ));
+}
+
+/// Three nodes of the tip, which lie across the axis.
+const MEAN: &str =
+    "*NODE\n910, 0., 0., 4.\n*MPC\nMEANROT, 112, 112, 112, 124, 124, 124, 138, 138, 138, 910\n";
+
+/// The angle of a rigid rotation is its part along the axis, and a shift has none.
+#[test]
+fn a_mean_rotation_is_that_of_a_rigid_motion() {
+    let mesh = of(MEAN, Code::CalculiX).unwrap();
+    let [Tie::Equation { terms, .. }] = &mesh.ties[..] else {
+        panic!("{:?}", mesh.ties);
+    };
+    assert_eq!(terms[0], (SCALAR, 0, -3.0));
+    assert_eq!(mesh.scalar_points, [910]);
+    let (turn, shift) = ([0.2, -0.7, 0.5], [3.0, 1.0, -2.0]);
+    let sum: f64 = terms[1..]
+        .iter()
+        .map(|(node, freedom, factor)| {
+            let x = mesh.nodes[*node as usize].position;
+            let moved = [
+                shift[0] + turn[1] * x[2] - turn[2] * x[1],
+                shift[1] + turn[2] * x[0] - turn[0] * x[2],
+                shift[2] + turn[0] * x[1] - turn[1] * x[0],
+            ];
+            factor * moved[usize::from(*freedom)]
+        })
+        .sum();
+    assert!((sum / 3.0 - turn[2]).abs() < 1e-12, "{sum}");
+}
+
+#[test]
+fn wrong_mean_rotations_have_messages() {
+    for (lines, message) in [
+        (
+            "*NODE\n910, 0., 0., 1.\n*MPC\nMEANROT, 112, 112, 113, 113, 113, 113, 910\n",
+            "MEANROT does not name each node three times",
+        ),
+        (
+            "*NODE\n910, 0., 0., 1.\n*MPC\nMEANROT, 112, 112, 112, 113, 113, 113\n",
+            "MEANROT does not name each node three times",
+        ),
+        (
+            "*MPC\nMEANROT, 112, 112, 112, 113, 113, 113, 902\n",
+            "the axis of MEANROT has no direction",
+        ),
+        (
+            "*NODE\n910, 0., 0., 1.\n*MPC\nMEANROT, 112, 112, 112, 910\n",
+            "all nodes of MEANROT lie on its axis",
+        ),
+        (
+            "*NODE\n910, 0., 0., 1.\n*MPC\nMEANROT, 112, 112, 112, 113, 113, 113, 910\n\
+             *MPC\nMEANROT, 124, 124, 124, 125, 125, 125, 910\n",
+            "node 910 is the angle of another MEANROT, too",
+        ),
+        (
+            "*NODE\n910, 0., 0., 1.\n*MPC\nMEANROT, 112, 112, 112, 113, 113, 113, 910\n\
+             *EQUATION\n2\n910, 2, 1., 901, 1, 1.\n",
+            "freedom 2 of the last node of a MEANROT does not exist",
+        ),
+    ] {
+        let error = of(lines, Code::CalculiX).unwrap_err().to_string();
+        assert!(error.contains(message), "{lines}: {error}");
+    }
 }

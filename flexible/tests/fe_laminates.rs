@@ -20,6 +20,7 @@ fn carbon(across: [f64; 2]) -> Material {
         poisson: CARBON[2],
         density: 1600.0,
         sheet: SheetElasticity::orthotropic(CARBON, across),
+        solid: None,
     }
 }
 
@@ -252,6 +253,7 @@ fn a_sandwich_shears_in_its_core() {
         mesh.materials.push(Material {
             name: "core".into(),
             sheet: SheetElasticity::orthotropic([soft, soft, 0.0, 0.5 * soft], [modulus, modulus]),
+            solid: None,
             ..mesh.materials[0].clone()
         });
         let clamped = held(&nodes_where(&mesh, |x| x[0] < 1e-9), 0b111111);

@@ -40,7 +40,7 @@ fn patch(mesh: &Mesh, rules: &Rules, what: &str) {
         }
     }
     assert!(inner > 0, "{what}");
-    let expected = stress(&mesh.materials[0], &STRAIN);
+    let expected = stress(&mesh.materials[0], [0.0; 3], &STRAIN);
     let peak = largest(&expected);
     for element in &mesh.elements {
         let recovery = ElementRecovery::new(mesh, element, rules).unwrap().unwrap();

@@ -246,6 +246,7 @@ fn other(name: &str, young: f64) -> Material {
         poisson: 0.0,
         density: 1.0,
         sheet: None,
+        solid: None,
     }
 }
 

@@ -356,6 +356,7 @@ fn a_rotating_angled_beam_stiffens_as_published() {
             poisson: number(&own["nu"]),
             density: number(&own["rho"]),
             sheet: None,
+            solid: None,
         });
         for element in elements..mesh.elements.len() {
             let property = mesh.elements[element].property as usize;
@@ -430,6 +431,7 @@ fn overhung(radius: f64, thickness: f64, length: f64, section: Section) -> Mesh 
         poisson: POISSON,
         density: 1e-3,
         sheet: None,
+        solid: None,
     });
     for property in mesh.properties.iter_mut().skip(1) {
         property.material = Some(1);

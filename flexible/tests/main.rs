@@ -5,6 +5,7 @@
 mod abaqus_mutations;
 mod abaqus_structure;
 mod abaqus_tied;
+mod anisotropic_solids;
 mod ansys_archives;
 mod calculix_couplings;
 mod craig_bampton;

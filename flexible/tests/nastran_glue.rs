@@ -1,4 +1,4 @@
-//! Glued surfaces of NX Nastran.
+//! Glued surfaces of NX Nastran, and glued bodies of MSC Nastran.
 
 use crate::fe_meshes::{agrees, held, nodes_where, solve};
 use crate::nastran_deck::*;
@@ -278,6 +278,151 @@ fn wrong_glue_has_messages() {
     ] {
         let found = problem(&glued(control, &cards));
         assert!(found.problem.contains(message), "{found}");
+        assert!(!found.advice.is_empty());
+    }
+}
+
+/// The bodies of both boxes, by their elements and by their property.
+const BODIES: &str =
+    "BSURF,1,11,THRU,14\nBCPROP,2,1\nBCBODY,10,,DEFORM,1\nBCBODY1,20,,3D,DEFORM,2\n";
+
+#[test]
+fn glued_bodies_stretch_as_one() {
+    for cards in [
+        "BCTABLE,6,,,1\n,SLAVE,10,.1,,,,1\n,MASTERS,20\n",
+        "BCTABLE,6,,,1\n,SECNDRY,10,.1,,,,2\n,,1\n,,FBSH,1.+20,.9\n,PRIMARY,20\n",
+        // the other direction adds nothing
+        "BCTABLE,6,,,2\n,SLAVE,10,.1,,,,1\n,MASTERS,20\n,SLAVE,20,.1,,,,1\n,MASTERS,10\n",
+        "BCTABL1,6,3\nBCONECT,3,7,,10,20\nBCONPRG,7,,IGLUE,1,ERROR,.1\n",
+        "BCONECT,6,7\n,SECNDRY,10\n,PRIMARY,20\nBCONPRG,7,,IGLUE,1\nBCPARA,0,ERROR,.1\n",
+    ] {
+        let found = mesh(&glued("BCONTACT = 6", &format!("{BODIES}{cards}")));
+        assert_eq!(unread(&found), [], "{cards}");
+        assert_eq!(found.ties.len(), 27, "{cards}");
+        let [doubt] = &found.doubts[..] else {
+            panic!("{:?}", found.doubts);
+        };
+        assert!(
+            doubt.contains("6 glues 9 nodes of body 10 to body 20, within ERROR = 0.1 and over a gap of up to 1.000e-2")
+                || doubt.contains("3 glues 9 nodes of body 10 to body 20, within ERROR = 0.1 and over a gap of up to 1.000e-2"),
+            "{doubt}"
+        );
+        assert!(agrees(stretch(&found), 2.0 / 2e5, 1e-9), "{cards}");
+    }
+    // bodies that are apart stay so
+    let cards = "BCTABLE,6,,,1\n,SLAVE,10,.001,,,,1\n,MASTERS,20\n";
+    let found = mesh(&glued("BCONTACT = 6", &format!("{BODIES}{cards}")));
+    assert!(found.ties.is_empty());
+    assert!(
+        found.doubts[0].contains("BCTABLE 6 glues no node of body 10 to body 20"),
+        "{:?}",
+        found.doubts
+    );
+    // and those that case control does not select
+    let found = mesh(&glued("METHOD = 1", &format!("{BODIES}{cards}")));
+    assert!(found.ties.is_empty());
+    assert!(
+        found.doubts[0].contains("no BCONTACT = in case control selects bodies"),
+        "{:?}",
+        found.doubts
+    );
+}
+
+/// Contact that opens, distances that the deck does not state, and shells, whose distance is that of their surfaces.
+#[test]
+fn contact_of_bodies_is_listed() {
+    let glue = "BCTABLE,6,,,1\n,SLAVE,10,.1,,,,1\n,MASTERS,20\n";
+    for (control, cards, name) in [
+        (
+            "BCONTACT = 6",
+            format!("{BODIES}BCTABLE,6,,,1\n,SLAVE,10,.1\n,MASTERS,20\n"),
+            "contact of bodies without IGLUE (BCTABLE, BCONECT)",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("{BODIES}BCTABLE,6,10,20\n"),
+            "contact of bodies without IGLUE (BCTABLE, BCONECT)",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("{BODIES}BCTABLE,6,,,1\n,SLAVE,10,,,,,1\n,MASTERS,20\n"),
+            "glued bodies without ERROR (BCTABLE, BCONPRG, BCPARA)",
+        ),
+        (
+            "BCONTACT = ALLBODY",
+            BODIES.to_string(),
+            "BCONTACT = ALLBODY",
+        ),
+        (
+            "BCONTACT = 6",
+            format!(
+                "BSURF,1,11,THRU,14\nBCPROP,2,9\nMAT1,9,2.+5,,.3,7.8-9\nPSHELL,9,9,.1\nCQUAD4,51,9,1,3,7,5\n\
+                 BCBODY,10,,DEFORM,1\nBCBODY,20,,,2\n{glue}"
+            ),
+            "glued bodies of shells (BCBODY)",
+        ),
+    ] {
+        let found = mesh(&glued(control, &cards));
+        assert_eq!(unread(&found), [(name, 1, Carries::Structure)], "{cards}");
+        assert!(found.ties.is_empty(), "{cards}");
+    }
+    // unlike in NX Nastran, BSURF may list solids; without contact it is no error
+    let found = mesh(&glued("METHOD = 1", BODIES));
+    assert_eq!((unread(&found).len(), found.doubts.len()), (0, 0));
+}
+
+#[test]
+fn wrong_bodies_have_messages() {
+    let glue = "BCTABLE,6,,,1\n,SLAVE,10,.1,,,,1\n,MASTERS,20\n";
+    for (control, cards, message) in [
+        (
+            "BCONTACT = 7",
+            format!("{BODIES}{glue}"),
+            "BCONTACT = 7 selects no pair of bodies",
+        ),
+        (
+            "BCONTACT = 6",
+            glue.to_string(),
+            "BCTABLE 6 glues body 10, which is missing",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("BSURF,1,11,THRU,14\nBCBODY,10,,DEFORM,1\nBCBODY,20,,RIGID,2\n{glue}"),
+            "BCTABLE 6 glues body 20, which is RIGID",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("BSURF,1,11,THRU,14\nBCBODY,10,,DEFORM,1\nBCBODY,20,,DEFORM,2\n{glue}"),
+            "body 20 has region 2, which is missing or no surface",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("BSURF,1,11,THRU,14\nBSURF,2,99\nBCBODY,10,,,1\nBCBODY,20,,,2\n{glue}"),
+            "body 20 has no solid",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("{BODIES}BCTABLE,6,,,1\n,SLAVE,10,-.1,,,,1\n,MASTERS,20\n"),
+            "BCTABLE 6: ERROR is -0.1",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("{BODIES}BCTABLE,6,,,1\n,OTHERS,10,.1\n"),
+            "\"OTHERS\" begins no list of bodies",
+        ),
+        (
+            "BCONTACT = 6",
+            format!("{BODIES}BCTABLE,6,,,1\n,SLAVE,10,.1,,,,X\n"),
+            "IGLUE is \"X\", no whole number",
+        ),
+        (
+            "SUBCASE 1\nBCONTACT = 6\nMETHOD = 1\nSUBCASE 2\nMETHOD = 1",
+            format!("{BODIES}{glue}"),
+            "the tables of contact differ: subcase 1 selects BCONTACT = 6",
+        ),
+    ] {
+        let found = problem(&glued(control, &cards));
+        assert!(found.problem.contains(message), "{cards}: {found}");
         assert!(!found.advice.is_empty());
     }
 }

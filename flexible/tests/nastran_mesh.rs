@@ -508,7 +508,11 @@ fn one_of_three_elastic_constants_may_be_blank() {
         ("MAT1,8,2.6,,.5,5.", "no elastic material has"),
         ("MAT1,8,2.6,.8,,5.", "no elastic material has"),
         ("MAT1,8,2.6,,.3,-5.", "no elastic material has"),
-        ("MAT9,8,2.6", "MAT9 8, used by PSOLID 3, is not isotropic"),
+        (
+            "MAT9,8,2.6",
+            "MAT9 8, used by PSOLID 3, has a stiffness that is not positive definite",
+        ),
+        ("MAT10,8,2.6", "MAT10 8, used by PSOLID 3, is not isotropic"),
         (
             "MAT1,9,2.6,,.3",
             "PSOLID 3 uses material 8, which is missing",

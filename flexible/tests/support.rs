@@ -1,4 +1,4 @@
-//! What tests of several files share: files of `tests/data`, distances of lists, flexibilities, damaged texts.
+//! Helpers of several test files: files of `tests/data`, distances of lists, flexibilities, damaged texts.
 
 use crate::nastran_deck::is_consistent;
 use eng_flexible::mesh::Mesh;

@@ -192,7 +192,7 @@ fn ties_supports_and_glue_of_nastran() {
         ),
         (
             "PSHELL,1,1,.01,1\nCQUAD4,1,1,1,2,3,4\nBCTABLE,1,,,1",
-            "unread: BCTABLE at line 12",
+            "unread: contact of bodies without IGLUE (BCTABLE, BCONECT) at line 12",
         ),
     ];
     compare(GRIDS, &cases, MeshFormat::Nastran);

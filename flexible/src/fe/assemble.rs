@@ -7,6 +7,7 @@
 use super::beam::{self, BeamMass};
 use super::check::{self, Role, role};
 use super::connection;
+use super::elastic::PlacedMaterial;
 use super::form::{self, Form};
 use super::freedoms::{FreedomMap, direction, is_isotropic};
 use super::mass::Mass;
@@ -621,7 +622,11 @@ fn compute_run(
         let places = present.places(mesh);
         let result = match role(mesh, element) {
             Some(Role::Solid(material)) => {
-                solid::add_matrices(table, present, &places, material, blocks)
+                let placed = PlacedMaterial {
+                    material,
+                    origin: present.origin(mesh),
+                };
+                solid::add_matrices(table, present, &places, placed, blocks)
             }
             Some(Role::Coat(mass)) => surface::add_matrices(table, present, &places, mass, blocks),
             _ => Ok(()),

@@ -3,10 +3,11 @@
 //! kernel uses indices without further tests.
 
 use super::sheet::{Sheet, shape_fault, sheet_fault};
+use crate::axes::is_rotation;
 use crate::error::FlexibleError;
 use crate::mesh::{
-    ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection, Station, Tie,
-    scalar_index,
+    ABSENT, BeamSection, Element, ElementKind, Material, Mesh, Section, ShellSection,
+    SolidElasticity, Station, Tie, scalar_index,
 };
 
 /// Number of ids that a message names. A choice: as many fit in a message and show a pattern.
@@ -77,14 +78,18 @@ fn material_fault(material: &Material, line: bool) -> Option<String> {
     let (young, poisson, density) = (material.young, material.poisson, material.density);
     if !(young > 0.0 && young.is_finite()) {
         Some(format!("Young's modulus {young} Pa; it must be above zero"))
-    } else if !(poisson > -1.0 && poisson < most) && material.sheet.is_none() {
+    } else if !(poisson > -1.0 && poisson < most)
+        && material.sheet.is_none()
+        && material.solid.is_none()
+    {
         Some(format!(
             "Poisson's ratio {poisson}; it must lie between -1 and 0.5, both excluded"
         ))
     } else if !(density >= 0.0 && density.is_finite()) {
         Some(format!("density {density} kg/m³; it can't be negative"))
     } else {
-        material.sheet.as_ref().and_then(sheet_fault)
+        let sheet = material.sheet.as_ref().and_then(sheet_fault);
+        sheet.or_else(|| material.solid.as_ref().and_then(SolidElasticity::fault))
     }
 }
 
@@ -291,6 +296,15 @@ fn check_elements(mesh: &Mesh) -> Result<(), FlexibleError> {
                     "give it an isotropic material",
                 ));
             }
+            if !matches!(role, Role::Solid(_)) && material.solid.is_some() {
+                return Err(FlexibleError::structure(
+                    format!(
+                        "element {} is no solid, but its material “{}” is only for solids",
+                        element.id, material.name
+                    ),
+                    "give it an isotropic material, or for a shell one of sheets",
+                ));
+            }
             if *seen {
                 continue;
             }
@@ -329,16 +343,6 @@ fn without_material(mesh: &Mesh, element: &Element, property: &str) -> FlexibleE
         format!("element {}{property} has no material", element.id),
         "state its material in the file; `material =` of the body is only for a mesh without materials",
     )
-}
-
-fn is_rotation(rotation: &[[f64; 3]; 3]) -> bool {
-    (0..3).all(|i| {
-        (0..3).all(|j| {
-            let product: f64 = (0..3).map(|k| rotation[i][k] * rotation[j][k]).sum();
-            // a choice above rounding: Eng makes the axes from the vectors of a file
-            (product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-9
-        })
-    })
 }
 
 /// The fault of a 6 × 6 mass matrix of a node (kg, kg m, kg m²; translations first), if it has one.

@@ -22,7 +22,7 @@ use super::rules::{MassRule, Rules, StiffnessRule, Table, shares_equally};
 use super::shell::Rotations;
 use crate::element::{ElementKind, MOST_NODES, Shape};
 use crate::error::FlexibleError;
-use crate::mesh::{Code, Element, Material, Mesh, Section, VARIANT_LETTERS, Variant};
+use crate::mesh::{Code, Element, Mesh, Section, VARIANT_LETTERS, Variant};
 
 /// The form of a solid's stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,7 +44,7 @@ pub enum Form {
 /// # Errors
 /// The Jacobian (m³), if it is not positive.
 pub(super) type Correction =
-    fn(&Table, &[[f64; 3]; MOST_NODES], &Material, &mut [EnhancedPoint]) -> Result<(), f64>;
+    fn(&Table, &[[f64; 3]; MOST_NODES], &mut [EnhancedPoint]) -> Result<(), f64>;
 
 /// The functions of a form inside an element, in addition to those of its nodes.
 pub(super) struct Inner {

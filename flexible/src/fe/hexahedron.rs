@@ -5,12 +5,12 @@
 //! functions, and C is a correction, so that stiffness is ∫ (B + C)ᵀ D (B + C) dV and stresses are D (B + C)
 //! u. C vanishes for displacements linear in space.
 
+use super::elastic::{PlacedMaterial, PointLaw, dot, strain_of};
 use super::rules::Table;
-use super::solid::{Gradients, PAIR, gradients, pair, tangents};
-use super::stress::{Components, stress};
+use super::solid::{Gradients, add_products, gradients, tangents};
+use super::stress::Components;
 use super::vector::determinant;
 use crate::element::MOST_NODES;
-use crate::mesh::Material;
 
 /// Corners.
 const NODES: usize = 8;
@@ -22,17 +22,6 @@ const MODES: usize = 9;
 /// Strain for a unit displacement of each corner along each axis (1/m).
 pub(super) type StrainRows = [Components; FREEDOMS];
 
-/// The strain ½ (∇u + ∇uᵀ) of a displacement along `axis` with this gradient (1/m); shear strains are
-/// engineering ones.
-fn strain_of(gradient: [f64; 3], axis: usize) -> Components {
-    let [x, y, z] = gradient;
-    match axis {
-        0 => [x, 0.0, 0.0, y, 0.0, z],
-        1 => [0.0, y, 0.0, x, z, 0.0],
-        _ => [0.0, 0.0, z, 0.0, y, x],
-    }
-}
-
 /// A point of the stiffness.
 pub(super) struct EnhancedPoint {
     /// Gradients and Jacobian (m³) there.
@@ -41,6 +30,8 @@ pub(super) struct EnhancedPoint {
     pub(super) volume: f64,
     /// C.
     pub(super) correction: StrainRows,
+    /// D.
+    law: PointLaw,
 }
 
 /// The points of the stiffness with their corrections.
@@ -50,7 +41,7 @@ pub(super) struct EnhancedPoint {
 pub(super) fn enhanced(
     table: &Table,
     places: &[[f64; 3]; MOST_NODES],
-    material: &Material,
+    material: PlacedMaterial<'_>,
 ) -> Result<Vec<EnhancedPoint>, f64> {
     let mut points = Vec::with_capacity(table.stiffness.len());
     for sample in &table.stiffness {
@@ -59,10 +50,11 @@ pub(super) fn enhanced(
             volume: sample.weight * gradients.jacobian,
             gradients,
             correction: [[0.0; 6]; FREEDOMS],
+            law: material.law(&sample.shape, places, NODES),
         });
     }
     if let Some(correct) = table.form.correction() {
-        correct(table, places, material, &mut points)?;
+        correct(table, places, &mut points)?;
     }
     Ok(points)
 }
@@ -76,7 +68,6 @@ pub(super) fn enhanced(
 pub(super) fn mean_dilatation(
     _: &Table,
     _: &[[f64; 3]; MOST_NODES],
-    _: &Material,
     points: &mut [EnhancedPoint],
 ) -> Result<(), f64> {
     let volume: f64 = points.iter().map(|point| point.volume).sum();
@@ -110,7 +101,6 @@ pub(super) fn mean_dilatation(
 pub(super) fn incompatible(
     table: &Table,
     places: &[[f64; 3]; MOST_NODES],
-    material: &Material,
     points: &mut [EnhancedPoint],
 ) -> Result<(), f64> {
     let Some(middle) = &table.corners else {
@@ -136,7 +126,7 @@ pub(super) fn incompatible(
         .collect();
     let mut work = [[0.0; MODES + FREEDOMS]; MODES];
     for (modes, point) in modes.iter().zip(points.iter()) {
-        let stresses = modes.map(|strain| stress(material, &strain).map(|x| point.volume * x));
+        let stresses = modes.map(|strain| point.law.stress(&strain).map(|x| point.volume * x));
         let plain = plain(point);
         for (line, stress) in work.iter_mut().zip(&stresses) {
             for (entry, strain) in line.iter_mut().zip(modes.iter().chain(&plain)) {
@@ -188,10 +178,6 @@ fn eliminate(work: &mut [[f64; MODES + FREEDOMS]; MODES]) {
     }
 }
 
-fn dot(a: &Components, b: &Components) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
 /// Adds ∫ (B + C)ᵀ D (B + C) dV (N/m) to zeroed blocks.
 ///
 /// # Errors
@@ -199,7 +185,7 @@ fn dot(a: &Components, b: &Components) -> f64 {
 pub(super) fn add_stiffness(
     table: &Table,
     places: &[[f64; 3]; MOST_NODES],
-    material: &Material,
+    material: PlacedMaterial<'_>,
     blocks: &mut [f64],
 ) -> Result<(), f64> {
     for point in enhanced(table, places, material)? {
@@ -209,17 +195,8 @@ pub(super) fn add_stiffness(
                 *x += c;
             }
         }
-        let stresses = rows.map(|row| stress(material, &row).map(|x| point.volume * x));
-        for b in 0..NODES {
-            for a in 0..=b {
-                let block = &mut blocks[PAIR * pair(a, b)..][..9];
-                for (i, line) in block.chunks_exact_mut(3).enumerate() {
-                    for (j, x) in line.iter_mut().enumerate() {
-                        *x += dot(&rows[3 * a + i], &stresses[3 * b + j]);
-                    }
-                }
-            }
-        }
+        let stresses = rows.map(|row| point.law.stress(&row).map(|x| point.volume * x));
+        add_products(&rows, &stresses, blocks);
     }
     Ok(())
 }

@@ -13,6 +13,7 @@ pub mod beam;
 mod bubbles;
 pub(crate) mod check;
 mod connection;
+mod elastic;
 pub mod foreign;
 pub mod form;
 pub mod freedoms;

@@ -1,7 +1,9 @@
-//! Stiffness and mass of one solid: isotropic, linear elastic, small displacements.
+//! Stiffness and mass of one solid: linear elastic, small displacements.
 
+use super::elastic::{PlacedMaterial, dot, strain_of};
 use super::hexahedron;
 use super::rules::{Sample, Spread, Table};
+use super::stress::Components;
 use super::vector::{cross, determinant, norm, subtract};
 use crate::element::{MOST_NODES, Shape};
 use crate::error::FlexibleError;
@@ -106,9 +108,14 @@ impl Present {
         shape
     }
 
+    /// Position of the first node (m).
+    pub(super) fn origin(&self, mesh: &Mesh) -> [f64; 3] {
+        mesh.nodes[self.nodes[0] as usize].position
+    }
+
     /// Positions of the nodes relative to the first one (m). Such small numbers lose fewer digits.
     pub(super) fn places(&self, mesh: &Mesh) -> [[f64; 3]; MOST_NODES] {
-        let origin = mesh.nodes[self.nodes[0] as usize].position;
+        let origin = self.origin(mesh);
         let mut places = [[0.0; 3]; MOST_NODES];
         // an inner node has no position
         for (place, &node) in places.iter_mut().zip(self.own()) {
@@ -219,8 +226,9 @@ pub(super) fn dual(rows: &[[f64; 3]; 3], jacobian: f64) -> [[f64; 3]; 3] {
 /// [`pair`]):
 ///
 /// K_ab = ∫ λ g_a g_bᵀ + μ g_b g_aᵀ + μ (g_a·g_b) I dV (N/m), m_ab = ∫ ρ N_a N_b dV (kg) (M = m ⊗ I₃), with g
-/// = ∂N/∂x: the principle of virtual work for σ = λ tr ε I + 2 μ ε. If the form changes the strains, the
-/// matrices come from [`hexahedron`].
+/// = ∂N/∂x: the principle of virtual work for σ = λ tr ε I + 2 μ ε. An anisotropic material has K_ab = ∫ B_aᵀ D
+/// B_b dV with the strains B of unit displacements and the stiffness D at each point. If the form changes the strains,
+/// the matrices come from [`hexahedron`].
 ///
 /// # Errors
 /// A Jacobian (m³) that is not positive: that of the corners alone, or that of the first such point of the
@@ -229,7 +237,7 @@ pub(super) fn add_matrices(
     table: &Table,
     present: &Present,
     places: &[[f64; 3]; MOST_NODES],
-    material: &Material,
+    material: PlacedMaterial<'_>,
     blocks: &mut [f64],
 ) -> Result<(), f64> {
     let count = present.count;
@@ -239,14 +247,19 @@ pub(super) fn add_matrices(
     }
     if table.form.correction().is_some() {
         hexahedron::add_stiffness(table, places, material, blocks)?;
+    } else if material.material.solid.is_some() {
+        add_anisotropic(table, present, places, material, blocks)?;
     } else {
-        add_stiffness(table, present, places, material, blocks)?;
+        add_stiffness(table, present, places, material.material, blocks)?;
     }
     let mass = |sample: &Sample| {
         let shape = present.shape(&sample.shape);
         // a curved element may be folded at its edge; the signed volume is still right
         let jacobian = determinant(&tangents(&shape, places, count));
-        (shape.values, material.density * sample.weight * jacobian)
+        (
+            shape.values,
+            material.material.density * sample.weight * jacobian,
+        )
     };
     add_mass(table, (count, present.inner), mass, blocks);
     Ok(())
@@ -292,6 +305,47 @@ fn add_stiffness(
         }
     }
     Ok(())
+}
+
+/// Adds ∫ B_aᵀ D B_b dV (N/m) at the points of the stiffness, with D in the material's axes at each point.
+fn add_anisotropic(
+    table: &Table,
+    present: &Present,
+    places: &[[f64; 3]; MOST_NODES],
+    material: PlacedMaterial<'_>,
+    blocks: &mut [f64],
+) -> Result<(), f64> {
+    let (count, own) = (present.count, present.count - present.inner);
+    let mut strains = Vec::with_capacity(3 * count);
+    for sample in &table.stiffness {
+        let shape = present.shape(&sample.shape);
+        let gradients = gradients_with_inner(table, &shape, places, (count, present.inner))?;
+        let volume = sample.weight * gradients.jacobian;
+        let law = material.law(&shape, places, own);
+        strains.clear();
+        for slope in gradients.slope.iter().take(count) {
+            strains.extend([0, 1, 2].map(|axis| strain_of(*slope, axis)));
+        }
+        let stresses: Vec<Components> = (strains.iter())
+            .map(|strain| law.stress(strain).map(|x| volume * x))
+            .collect();
+        add_products(&strains, &stresses, blocks);
+    }
+    Ok(())
+}
+
+/// Adds the work of stresses on strains to the blocks of the nodes, each of which has three of both.
+pub(super) fn add_products(strains: &[Components], stresses: &[Components], blocks: &mut [f64]) {
+    for b in 0..stresses.len() / 3 {
+        for a in 0..=b {
+            let block = &mut blocks[PAIR * pair(a, b)..][..9];
+            for (i, line) in block.chunks_exact_mut(3).enumerate() {
+                for (j, x) in line.iter_mut().enumerate() {
+                    *x += dot(&strains[3 * a + i], &stresses[3 * b + j]);
+                }
+            }
+        }
+    }
 }
 
 /// Adds the mass ∫ N_a N_b dm, given the values and the mass dm (kg) of each sample, in the table's form.

@@ -4,6 +4,7 @@
 //! 2 ε).
 
 use super::check::{self, Role, role};
+use super::elastic::{PlacedMaterial, isotropic};
 use super::form;
 use super::freedoms::FreedomMap;
 use super::hexahedron;
@@ -54,18 +55,14 @@ impl StrainPoint {
     }
 }
 
-/// Stress (Pa) of a strain: σ = λ tr ε I + 2 μ ε.
-pub fn stress(material: &Material, strain: &Components) -> Components {
+/// Stress (Pa) of a strain at a place (m), both in basic axes: σ = λ tr ε I + 2 μ ε, or the law of an anisotropic
+/// solid in its axes there ([`crate::mesh::SolidElasticity::stress`]).
+pub fn stress(material: &Material, place: [f64; 3], strain: &Components) -> Components {
+    if let Some(solid) = &material.solid {
+        return solid.stress(place, strain);
+    }
     let (lambda, mu) = lame(material);
-    let volumetric = lambda * (strain[0] + strain[1] + strain[2]);
-    [
-        volumetric + 2.0 * mu * strain[0],
-        volumetric + 2.0 * mu * strain[1],
-        volumetric + 2.0 * mu * strain[2],
-        mu * strain[3],
-        mu * strain[4],
-        mu * strain[5],
-    ]
+    isotropic(lambda, mu, strain)
 }
 
 /// Von Mises' equivalent stress (Pa), √(3/2 s:s) of the deviator s.
@@ -142,7 +139,11 @@ impl ElementRecovery {
         }
         if form.correction().is_some() {
             let table = table();
-            let enhanced = hexahedron::enhanced(&table, &present.places(mesh), material)
+            let placed = PlacedMaterial {
+                material,
+                origin: present.origin(mesh),
+            };
+            let enhanced = hexahedron::enhanced(&table, &present.places(mesh), placed)
                 .map_err(|jacobian| inverted(&[(element.id, jacobian)]))?;
             for (point, enhanced) in points.iter_mut().zip(enhanced) {
                 point.correction = enhanced.correction.to_vec();
@@ -188,9 +189,9 @@ impl ElementRecovery {
 
     /// Stresses (Pa) at the integration points.
     pub fn stresses(&self, displacements: &[[f64; 3]]) -> Vec<Components> {
-        self.strains(displacements)
+        self.points
             .iter()
-            .map(|strain| stress(&self.material, strain))
+            .map(|point| stress(&self.material, point.place, &point.strain(displacements)))
             .collect()
     }
 
@@ -219,7 +220,7 @@ fn strain_points(
     samples: &[([f64; 3], f64)],
 ) -> Result<Vec<StrainPoint>, FlexibleError> {
     let places = present.places(mesh);
-    let origin = mesh.nodes[present.nodes()[0] as usize].position;
+    let origin = present.origin(mesh);
     let count = present.count;
     samples
         .iter()

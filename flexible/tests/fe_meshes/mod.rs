@@ -90,6 +90,7 @@ pub fn empty() -> Mesh {
             poisson: POISSON,
             density: DENSITY,
             sheet: None,
+            solid: None,
         }],
         ..Mesh::default()
     }
@@ -339,7 +340,8 @@ pub fn energy_of_solids(mesh: &Mesh, freedoms: &FreedomMap, rules: &Rules, full:
         };
         let displacements = recovery.displacements(freedoms, full);
         for (point, strain) in recovery.points.iter().zip(recovery.strains(&displacements)) {
-            energy += 0.5 * point.volume * dot(&stress(&recovery.material, &strain), &strain);
+            let stress = stress(&recovery.material, point.place, &strain);
+            energy += 0.5 * point.volume * dot(&stress, &strain);
         }
     }
     energy

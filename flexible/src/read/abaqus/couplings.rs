@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::frames::{Motion, STILL, Transform};
-use super::lines::{Row, key};
-use super::model::Model;
+use super::lines::Row;
+use super::orientations::Orientation;
 use super::scope::Block;
 use super::shapes::Shape;
 use super::supports::arbitrary;
@@ -12,8 +11,7 @@ use super::ties::{ALL, ROTATIONS, TRANSLATIONS, Ties};
 use crate::error::FileProblem;
 use crate::fe::vector::{cross, subtract};
 use crate::mesh::{Carries, Code, Tie, along_axes};
-use crate::read::unread::UnreadCards;
-use crate::read::vector::{Rotation, norm, product};
+use crate::read::vector::{Rotation, norm};
 
 /// A coupling without the keyword of its kind.
 pub(super) fn bare(coupling: &Block) -> FileProblem {
@@ -21,64 +19,6 @@ pub(super) fn bare(coupling: &Block) -> FileProblem {
         "neither *KINEMATIC nor *DISTRIBUTING follows",
         "add one of them right after it",
     )
-}
-
-/// The axes of an `*ORIENTATION`.
-struct Axes {
-    points: Transform,
-    motion: Motion,
-}
-
-impl Axes {
-    /// The `*ORIENTATION` with a name, of the same place as its user. Without axes that Eng reads it is noted, and the
-    /// answer is `None`.
-    fn named(
-        model: &Model,
-        place: usize,
-        name: &str,
-        user: &Block,
-        unread: &mut UnreadCards,
-    ) -> Result<Option<Self>, FileProblem> {
-        let found = model.blocks().find(|(of, block)| {
-            let keyword = &block.keyword;
-            let own = keyword.get("NAME").map(key);
-            *of == place && keyword.key == "ORIENTATION" && own == Some(key(name))
-        });
-        let Some((_, block)) = found else {
-            return Err(user.keyword.problem(
-                &format!("the orientation {name} is missing"),
-                "add its *ORIENTATION, or correct the name",
-            ));
-        };
-        let keyword = &block.keyword;
-        let rows: Vec<&Row> = block.rows.iter().filter(|row| !row.is_blank()).collect();
-        // a third point moves the origin, a second line turns the axes, and other definitions use nodes
-        let simple = matches!(keyword.choice("DEFINITION").as_str(), "" | "COORDINATES")
-            && rows.len() == 1
-            && rows.first().is_some_and(|row| row.fields().len() <= 6);
-        let points = Transform::of_orientation(keyword, &block.rows)?.filter(|_| simple);
-        if points.is_none() {
-            let name = "*ORIENTATION of more than two points";
-            unread.note(name, &keyword.at, Carries::Structure);
-        }
-        let placed = model.places.get(place);
-        Ok(points.map(|points| Axes {
-            points,
-            motion: placed.map_or(STILL, |placed| placed.motion()),
-        }))
-    }
-
-    /// The axes at a place of the model on the axis of a cylinder.
-    fn on_axis(&self, place: [f64; 3]) -> Option<Rotation> {
-        let axes = self.points.axes_on_axis(self.motion.back(place))?;
-        Some(product(&self.motion.rotation, &axes))
-    }
-
-    /// The axes at a place of the model.
-    fn at(&self, place: [f64; 3]) -> Option<Rotation> {
-        let axes = self.points.axes_at(self.motion.back(place))?;
-        Some(product(&self.motion.rotation, &axes))
-    }
 }
 
 /// Rows solved for one of their first three unknowns each, with its index. The unknown with the largest factor of all
@@ -206,7 +146,9 @@ impl Ties<'_, '_> {
             self.unread.note(&name, &keyword.at, Carries::Structure);
             return Ok(());
         }
-        let Some(axes) = Axes::named(self.model, place, name, block, self.unread)? else {
+        let Some(axes) =
+            Orientation::named((self.model, self.code), place, name, block, self.unread)?
+        else {
             return Ok(());
         };
         let mut nodes = nodes.to_vec();

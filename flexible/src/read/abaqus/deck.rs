@@ -437,7 +437,7 @@ impl Deck {
             }
             "SYSTEM" => self.system = Some(system(&block.rows, &keyword.at)?),
             "ASSEMBLY" | "ENDASSEMBLY" | "HEADING" => {}
-            // they give the temperature of the materials, and the axes of couplings
+            // they give the temperature of the materials, and the axes of couplings and anisotropic solids
             "INITIALCONDITIONS" | "ORIENTATION" => {
                 let name = format!("*{}", keyword.name);
                 self.unread.note(&name, &keyword.at, Carries::Nothing);

@@ -87,7 +87,7 @@ impl Motion {
 
 /// The rotation by an angle in degrees about a unit vector: 1 + sin φ ñ + (1 − cos φ) ñ ñ (Rodrigues). Exact
 /// for quarter turns.
-fn about(axis: [f64; 3], degrees: f64) -> Rotation {
+pub(super) fn about(axis: [f64; 3], degrees: f64) -> Rotation {
     let turn = degrees.rem_euclid(360.0);
     let (sin, cos) = if turn == 90.0 {
         (1.0, 0.0)
@@ -252,6 +252,20 @@ impl Transform {
             _ => return Ok(None),
         };
         Self::of_points(kind, keyword, rows).map(Some)
+    }
+
+    /// With the points a and b counted from this one.
+    pub fn counted_from(self, origin: [f64; 3]) -> Self {
+        Transform {
+            a: subtract(self.a, origin),
+            b: subtract(self.b, origin),
+            ..self
+        }
+    }
+
+    /// Point a, the origin of curvilinear coordinates.
+    pub fn origin(&self) -> [f64; 3] {
+        self.a
     }
 
     /// Whether all nodes have the same axes.

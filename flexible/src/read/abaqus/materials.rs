@@ -1,15 +1,17 @@
-//! `*MATERIAL` with `*ELASTIC` of an isotropic material or a lamina, and `*DENSITY`.
+//! `*MATERIAL` with `*ELASTIC` of an isotropic material, an anisotropic solid or a lamina, and `*DENSITY`.
 //!
 //! Constants of several temperatures are linear between their lines and constant beyond them, at the
 //! temperature that `*INITIAL CONDITIONS, TYPE=TEMPERATURE` states for all nodes, else at 0 (manuals of CalculiX
-//! and Abaqus).
+//! and Abaqus). Of an anisotropic solid the stiffness is linear, as in CalculiX (`elastics.f`).
 
 use std::collections::BTreeMap;
 
+use super::anisotropic;
 use super::lines::{Row, key};
 use super::scope::Block;
+use crate::elasticity::stiffness_fault;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Material, SheetElasticity};
+use crate::mesh::{Carries, LocalAxes, Material, SheetElasticity, SolidElasticity};
 use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 
@@ -18,6 +20,8 @@ struct Entry {
     name: String,
     /// Young's modulus and Poisson's ratio.
     elastic: Table<2>,
+    /// Stiffness of an anisotropic solid: the constants of `TYPE=ANISO` in their order.
+    solid: Table<21>,
     /// Of `TYPE=LAMINA`.
     sheet: Option<SheetElasticity>,
     density: Table<1>,
@@ -28,9 +32,107 @@ impl Entry {
     /// The keywords whose constants depend on the temperature, with their places.
     fn changing(&self) -> impl Iterator<Item = &(String, At)> {
         let elastic = (!self.elastic.is_constant()).then_some(&self.elastic.from);
+        let solid = (!self.solid.is_constant()).then_some(&self.solid.from);
         let density = (!self.density.is_constant()).then_some(&self.density.from);
-        [elastic, density].into_iter().flatten().flatten()
+        [elastic, solid, density].into_iter().flatten().flatten()
     }
+
+    fn read_density(
+        &mut self,
+        block: &Block,
+        rows: &[&Row],
+        unread: &mut UnreadCards,
+    ) -> Result<(), FileProblem> {
+        let rows = first_of(block, rows, (1, false), unread)?;
+        self.density = Table::read(block, rows, |row| Ok([row.real(0, "the density")?]))?;
+        Ok(())
+    }
+
+    /// Reads `*ELASTIC`. One of a type that is not known is left out; a section that uses it is an error.
+    fn read_elasticity(
+        &mut self,
+        block: &Block,
+        rows: &[&Row],
+        unread: &mut UnreadCards,
+    ) -> Result<(), FileProblem> {
+        let keyword = &block.keyword;
+        let kind = keyword.choice("TYPE");
+        if let Some(lines) = anisotropic::lines(&kind) {
+            let rows = first_of(block, rows, (lines, false), unread)?;
+            let groups: Vec<&[&Row]> = rows.chunks(lines).collect();
+            let place = anisotropic::place_of_temperature(lines);
+            self.solid = Table::read_groups(block, &groups, place, |group| {
+                anisotropic::constants(&kind, group)
+            })?;
+            return Ok(());
+        }
+        let rows = first_of(block, rows, (1, kind == "LAMINA"), unread)?;
+        match kind.as_str() {
+            "" | "ISO" | "ISOTROPIC" => {
+                let blank = |row: &&Row| row.text(1).is_empty();
+                if rows.iter().any(blank) {
+                    // the codes take zero; of a metal shear and torsion then come out 30 % too stiff
+                    let name = "*ELASTIC without Poisson's ratio";
+                    unread.note(name, &keyword.at, Carries::Structure);
+                }
+                self.elastic = Table::read(block, rows, |row| {
+                    let young = row.real(0, "Young's modulus")?;
+                    Ok([young, row.real_or_zero(1, "Poisson's ratio")?])
+                })?;
+            }
+            "LAMINA" => {
+                if let Some(row) = rows.first() {
+                    self.read_lamina(row)?;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// `*ELASTIC, TYPE=LAMINA`: `E1, E2, Nu12, G12, G13, G23`.
+    fn read_lamina(&mut self, row: &Row) -> Result<(), FileProblem> {
+        let names = ["E1", "E2", "Nu12", "G12", "G13", "G23"];
+        let mut constants = [0.0; 6];
+        for ((i, constant), name) in constants.iter_mut().enumerate().zip(names) {
+            *constant = row.real(i, name)?;
+        }
+        let [e1, e2, poisson, g12, g13, g23] = constants;
+        let sheet = SheetElasticity::orthotropic([e1, e2, poisson, g12], [g13, g23]);
+        if sheet.is_none() {
+            return Err(row.at.problem(
+                "no elastic lamina has these constants",
+                "E1, E2 and the shear moduli must be above zero, and Nu12 squared below E1/E2",
+            ));
+        }
+        self.sheet = sheet;
+        self.elastic = Table {
+            lines: vec![(0.0, [e1, poisson])],
+            from: None,
+        };
+        Ok(())
+    }
+}
+
+/// The first lines of a keyword, as many as one temperature has, if the reader takes no others. Further ones are noted.
+fn first_of<'r, 'b>(
+    block: &Block,
+    rows: &'r [&'b Row],
+    (lines, alone): (usize, bool),
+    unread: &mut UnreadCards,
+) -> Result<&'r [&'b Row], FileProblem> {
+    let keyword = &block.keyword;
+    if rows.is_empty() {
+        return Err(keyword.problem(
+            "its data line is missing",
+            "write its values on the next line",
+        ));
+    }
+    if rows.len() <= lines || !(alone || keyword.has("DEPENDENCIES")) {
+        return Ok(rows);
+    }
+    several(&keyword.name, &keyword.at, unread);
+    Ok(rows.get(..lines).unwrap_or(rows))
 }
 
 /// Constants by temperature, in ascending order. One line has any temperature.
@@ -57,12 +159,29 @@ impl<const N: usize> Table<N> {
         rows: &[&Row],
         constants: impl Fn(&Row) -> Result<[f64; N], FileProblem>,
     ) -> Result<Self, FileProblem> {
+        let groups: Vec<&[&Row]> = rows.chunks(1).collect();
+        Self::read_groups(block, &groups, N, |group| match group {
+            [row, ..] => constants(row),
+            [] => Ok([0.0; N]), // never: a chunk has a row
+        })
+    }
+
+    /// Reads groups of lines. The temperature of each is the entry `place` of its last line.
+    fn read_groups(
+        block: &Block,
+        groups: &[&[&Row]],
+        place: usize,
+        constants: impl Fn(&[&Row]) -> Result<[f64; N], FileProblem>,
+    ) -> Result<Self, FileProblem> {
         let keyword = &block.keyword;
-        let mut lines: Vec<(f64, [f64; N])> = Vec::with_capacity(rows.len());
-        for row in rows {
-            let temperature = match rows.len() {
+        let mut lines: Vec<(f64, [f64; N])> = Vec::with_capacity(groups.len());
+        for group in groups {
+            let Some(row) = group.last() else {
+                continue;
+            };
+            let temperature = match groups.len() {
                 1 => 0.0, // it does not matter
-                _ => row.real(N, "the temperature")?,
+                _ => row.real(place, "the temperature")?,
             };
             if lines
                 .last()
@@ -73,7 +192,7 @@ impl<const N: usize> Table<N> {
                     "write the lines by ascending temperature",
                 ));
             }
-            lines.push((temperature, constants(row)?));
+            lines.push((temperature, constants(group)?));
         }
         let from = Some((format!("*{}", keyword.name), keyword.at.clone()));
         Ok(Table { lines, from })
@@ -103,6 +222,17 @@ impl<const N: usize> Table<N> {
             (None, None) => None,
         }
     }
+}
+
+/// The kind of section that uses a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// A solid, which may be anisotropic.
+    Solid,
+    /// A shell, which may be a lamina.
+    Shell,
+    /// A beam or truss.
+    Line,
 }
 
 /// The materials of a file.
@@ -155,6 +285,7 @@ impl Materials {
             let entry = Entry {
                 name: name.to_string(),
                 elastic: Table::default(),
+                solid: Table::default(),
                 sheet: None,
                 density: Table::default(),
                 at: keyword.at.clone(),
@@ -185,55 +316,9 @@ impl Materials {
                         "put it after the *MATERIAL that it describes",
                     ));
                 };
-                let Some(row) = rows.first() else {
-                    return Err(keyword.problem(
-                        "its data line is missing",
-                        "write its values on the next line",
-                    ));
-                };
-                let lamina = keyword.choice("TYPE") == "LAMINA";
-                let rows = match lamina || keyword.has("DEPENDENCIES") {
-                    true => {
-                        if rows.len() > 1 {
-                            several(&keyword.name, &keyword.at, unread);
-                        }
-                        &rows[..1]
-                    }
-                    false => &rows[..],
-                };
-                if keyword.key == "DENSITY" {
-                    entry.density =
-                        Table::read(block, rows, |row| Ok([row.real(0, "the density")?]))?;
-                } else if matches!(keyword.choice("TYPE").as_str(), "" | "ISO" | "ISOTROPIC") {
-                    let blank = |row: &&Row| row.text(1).is_empty();
-                    if rows.iter().any(blank) {
-                        // the codes take zero; of a metal shear and torsion then come out 30 % too stiff
-                        let name = "*ELASTIC without Poisson's ratio";
-                        unread.note(name, &keyword.at, Carries::Structure);
-                    }
-                    entry.elastic = Table::read(block, rows, |row| {
-                        let young = row.real(0, "Young's modulus")?;
-                        Ok([young, row.real_or_zero(1, "Poisson's ratio")?])
-                    })?;
-                } else if keyword.choice("TYPE") == "LAMINA" {
-                    let names = ["E1", "E2", "Nu12", "G12", "G13", "G23"];
-                    let mut constants = [0.0; 6];
-                    for ((i, constant), name) in constants.iter_mut().enumerate().zip(names) {
-                        *constant = row.real(i, name)?;
-                    }
-                    let [e1, e2, poisson, g12, g13, g23] = constants;
-                    let sheet = SheetElasticity::orthotropic([e1, e2, poisson, g12], [g13, g23]);
-                    if sheet.is_none() {
-                        return Err(row.at.problem(
-                            "no elastic lamina has these constants",
-                            "E1, E2 and the shear moduli must be above zero, and Nu12 squared below E1/E2",
-                        ));
-                    }
-                    entry.sheet = sheet;
-                    entry.elastic = Table {
-                        lines: vec![(0.0, [e1, poisson])],
-                        from: None,
-                    };
+                match keyword.key.as_str() {
+                    "DENSITY" => entry.read_density(block, &rows, unread)?,
+                    _ => entry.read_elasticity(block, &rows, unread)?,
                 }
             }
             known if entry.is_some() && HARMLESS.contains(&known) => {
@@ -279,30 +364,55 @@ impl Materials {
         said.collect()
     }
 
-    /// The material of a section, which may be a lamina for a shell.
-    pub fn find(&self, name: &str, user: &Block, shell: bool) -> Result<Material, FileProblem> {
+    /// The material of a section. An anisotropic solid has the axes of `of` until it gets its own.
+    pub fn find(&self, name: &str, user: &Block, of: Use) -> Result<Material, FileProblem> {
         let Some(entry) = self.entries.get(&key(name)) else {
             return Err(user.keyword.problem(
                 &format!("the material {name} is missing"),
                 "add its *MATERIAL, or *INCLUDE the file that holds it",
             ));
         };
+        let density = entry.density.at(self.temperature);
+        let isotropic = Material {
+            name: entry.name.clone(),
+            young: 0.0,
+            poisson: 0.0,
+            density: density.map_or(0.0, |[density]| density),
+            sheet: entry.sheet,
+            solid: None,
+        };
+        if let (Some(constants), Use::Solid) = (entry.solid.at(self.temperature), of) {
+            let solid = SolidElasticity {
+                stiffness: anisotropic::stiffness(&constants),
+                axes: LocalAxes::BASIC,
+            };
+            if let Some(fault) = stiffness_fault(&solid.stiffness) {
+                return Err(entry.at.problem(
+                    format!("the material {name} has {fault}"),
+                    "check its constants, and the TYPE and the lines of its *ELASTIC",
+                ));
+            }
+            let [young, poisson] = solid.first_constants();
+            return Ok(Material {
+                young,
+                poisson,
+                sheet: None,
+                solid: Some(solid),
+                ..isotropic
+            });
+        }
         let known = entry.elastic.at(self.temperature);
-        let Some([young, poisson]) = known.filter(|_| shell || entry.sheet.is_none()) else {
+        let Some([young, poisson]) = known.filter(|_| of == Use::Shell || entry.sheet.is_none())
+        else {
             return Err(entry.at.problem(
                 format!("a section uses the material {name}, which has no isotropic *ELASTIC"),
-                "give it *ELASTIC with Young's modulus and Poisson's ratio; only shells can have TYPE=LAMINA",
+                "give it *ELASTIC with Young's modulus and Poisson's ratio; only shells can have TYPE=LAMINA, and only solids ENGINEERING CONSTANTS, ORTHO or ANISO",
             ));
         };
         Ok(Material {
-            name: entry.name.clone(),
             young,
             poisson,
-            density: entry
-                .density
-                .at(self.temperature)
-                .map_or(0.0, |[density]| density),
-            sheet: entry.sheet,
+            ..isotropic
         })
     }
 }

@@ -15,6 +15,7 @@
 //! lines ─▶ deck (parts, instances, scopes) ─▶ model (numbered through) ─▶ sets, surfaces ─▶ elements, points, ties, supports ─▶ mesh
 //! ```
 
+mod anisotropic;
 mod couplings;
 mod deck;
 mod elements;
@@ -22,8 +23,11 @@ mod frames;
 mod lines;
 mod materials;
 mod matrices;
+mod mean_rotation;
 mod model;
+mod orientations;
 mod points;
+mod pretension;
 mod rotations;
 mod scope;
 mod sections;
@@ -41,6 +45,7 @@ use crate::mesh::{Code, Mesh};
 use crate::read::Files;
 use crate::read::held::HoldingCards;
 use crate::read::source::whole;
+use mean_rotation::MeanRotation;
 use model::Model;
 use rotations::Rotations;
 
@@ -78,8 +83,10 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
     }
     elements::make(&mut model, &mut mesh, &deck.materials, unread)?;
     points::make(&model, &mut mesh, unread)?;
-    let rotations = Rotations::new(&model, code, unread)?;
-    ties::make(&mut model, &mut mesh, &rotations, unread)?;
+    let means = MeanRotation::all(&model, code)?;
+    mesh.scalar_points = means.iter().map(|mean| mean.number(&model)).collect();
+    let rotations = Rotations::new(&model, code, &means, unread)?;
+    ties::make(&mut model, &mut mesh, (&rotations, &means), unread)?;
     let mut cards = HoldingCards::default();
     mesh.supports = supports::supports(&model, &mut cards, unread)?;
     if code == Code::CalculiX {
@@ -88,9 +95,13 @@ pub fn read_inp(files: &dyn Files, name: &str, code: Code) -> Result<Mesh, Flexi
         rotations.hold(&mut mesh.supports);
     }
     mesh.support_cards = cards.into_list();
+    pretension::close(&model, &mut mesh, unread)?;
     mesh.sets = sets::sets(&model);
     mesh.nodes = std::mem::take(&mut model.nodes);
     matrices::make(&model, &mut mesh, unread)?;
+    if let (Some(mean), Some(_)) = (means.first(), &mesh.matrices) {
+        return Err(mean.beside_matrices().into());
+    }
     mesh.unread = deck.unread.into_list();
     Ok(mesh)
 }

@@ -1,18 +1,21 @@
-//! `ROT NODE` of a `*RIGID BODY` of CalculiX: a node whose three displacements are the rotations of the body.
+//! Nodes of CalculiX whose displacements are rotations: the three of a `ROT NODE` of a `*RIGID BODY` are those of the body,
+//! the first one of the last node of a `MEANROT` is its angle.
 
 use std::collections::BTreeMap;
 
+use super::mean_rotation::MeanRotation;
 use super::model::Model;
 use super::shapes::Shape;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, Code, Support, Tie};
+use crate::mesh::{Carries, Code, Support, Tie, scalar_index};
 use crate::read::source::At;
 use crate::read::unread::UnreadCards;
 
-/// The nodes whose displacements are rotations (rad) of rigid bodies.
+/// The nodes whose displacements are rotations (rad).
 #[derive(Debug, Default)]
 pub(super) struct Rotations {
-    /// The reference node of each, and the place of its `*RIGID BODY`.
+    /// The reference node of each, and the place of its `*RIGID BODY`; of the last node of a `MEANROT` the scalar point of its
+    /// angle.
     references: BTreeMap<u32, (u32, At)>,
 }
 
@@ -22,8 +25,31 @@ impl Rotations {
     ///
     /// # Errors
     /// A node that is missing, or the reference node itself, or turns two bodies.
-    pub fn new(model: &Model, code: Code, unread: &mut UnreadCards) -> Result<Self, FileProblem> {
+    pub fn new(
+        model: &Model,
+        code: Code,
+        means: &[MeanRotation],
+        unread: &mut UnreadCards,
+    ) -> Result<Self, FileProblem> {
         let mut references: BTreeMap<u32, (u32, At)> = BTreeMap::new();
+        for mean in means {
+            let pilot = mean.pilot;
+            let node = model.nodes.get(pilot as usize);
+            if node.is_some_and(|node| node.frame.is_some()) {
+                let name = "*TRANSFORM of the last node of a MEANROT";
+                unread.note(name, &mean.at, Carries::Structure);
+            }
+            if references
+                .insert(pilot, (mean.angle, mean.at.clone()))
+                .is_some()
+            {
+                let id = node.map_or(0, |node| node.id);
+                return Err(mean.at.problem(
+                    format!("node {id} is the angle of another MEANROT, too"),
+                    "give each mean rotation a last node of its own",
+                ));
+            }
+        }
         for (place, block) in model.blocks() {
             let keyword = &block.keyword;
             if keyword.key != "RIGIDBODY" || !keyword.has("ROTNODE") {
@@ -63,9 +89,12 @@ impl Rotations {
                 .iter()
                 .filter(|row| row.shape != Shape::Distributing);
             for row in used {
-                let nodes = model.row_nodes(row);
-                if nodes.iter().any(|node| references.contains_key(node)) {
-                    let name = "elements at a ROT NODE";
+                let mut nodes = model.row_nodes(row).iter();
+                if let Some((reference, _)) = nodes.find_map(|node| references.get(node)) {
+                    let name = match scalar_index(*reference) {
+                        Some(_) => "elements at the last node of a MEANROT",
+                        None => "elements at a ROT NODE",
+                    };
                     unread.note(name, &row.at, Carries::Structure);
                 }
             }
@@ -77,6 +106,16 @@ impl Rotations {
     pub fn freedom(&self, node: u32, freedom: u8, at: &At) -> Result<(u32, u8), FileProblem> {
         match self.references.get(&node) {
             None => Ok((node, freedom)),
+            Some((angle, _)) if scalar_index(*angle).is_some() => match freedom {
+                0 => Ok((*angle, 0)),
+                _ => Err(at.problem(
+                    format!(
+                        "freedom {} of the last node of a MEANROT does not exist",
+                        freedom + 1
+                    ),
+                    "write 1: its first displacement is the angle",
+                )),
+            },
             Some((reference, _)) if freedom < 3 => Ok((*reference, freedom + 3)),
             Some(_) => Err(at.problem(
                 format!("freedom {} of a ROT NODE does not exist", freedom + 1),
@@ -92,9 +131,18 @@ impl Rotations {
         }
         for tie in ties {
             let mut places = Vec::new();
-            tie.each(|node, _| places.extend(self.references.get(&node).map(|(_, at)| at)));
-            if let Some(at) = places.first() {
-                unread.note("ties of a ROT NODE", at, Carries::Structure);
+            tie.each(|node, _| {
+                let found = self.references.get(&node).map(|(reference, at)| {
+                    let name = match scalar_index(*reference) {
+                        Some(_) => "ties of the last node of a MEANROT",
+                        None => "ties of a ROT NODE",
+                    };
+                    (name, at)
+                });
+                places.extend(found);
+            });
+            if let Some((name, at)) = places.first() {
+                unread.note(name, at, Carries::Structure);
             }
         }
     }
@@ -104,6 +152,9 @@ impl Rotations {
         let mut moved: BTreeMap<u32, u8> = BTreeMap::new();
         for support in std::mem::take(supports) {
             let (node, components) = match self.references.get(&support.node) {
+                Some((angle, _)) if scalar_index(*angle).is_some() => {
+                    (*angle, support.components & 1)
+                }
                 Some((reference, _)) => (*reference, (support.components & 0b111) << 3),
                 None => (support.node, support.components),
             };

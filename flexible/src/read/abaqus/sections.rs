@@ -2,8 +2,9 @@
 //! the mesh.
 
 use super::lines::{self, key};
-use super::materials::Materials;
+use super::materials::{Materials, Use};
 use super::model::{Model, Row};
+use super::orientations::Orientation;
 use super::scope::Block;
 use super::shapes::Shape;
 use super::shells::{self, NodalThickness};
@@ -56,8 +57,8 @@ pub(super) struct Sections<'m> {
     nodal_thickness: NodalThickness,
     /// Properties of the mesh, by section and family.
     pub properties: Once<(Option<u32>, Family), Property>,
-    /// Materials of the mesh, by name in capitals.
-    pub materials: Once<String, Material>,
+    /// Materials of the mesh, by name in capitals; of an anisotropic solid also by orientation and place.
+    pub materials: Once<(String, Option<(String, usize)>), Material>,
     /// Layers of the composites.
     pub laminates: Vec<Vec<Layer>>,
 }
@@ -127,19 +128,61 @@ impl<'m> Sections<'m> {
         self.blocks.get(section as usize).copied()
     }
 
-    /// Index of a material; a shell may have a lamina.
+    /// Index of a material for a kind of section.
     fn material(
         &mut self,
         name: &str,
         user: &Block,
         materials: &Materials,
-        shell: bool,
+        of: Use,
     ) -> Result<u32, FileProblem> {
-        let material = materials.find(name, user, shell)?;
-        Ok(match self.materials.find(&key(name)) {
+        let material = materials.find(name, user, of)?;
+        let by = (key(name), None);
+        Ok(match self.materials.find(&by) {
             Some(made) => made,
-            None => self.materials.add(key(name), material),
+            None => self.materials.add(by, material),
         })
+    }
+
+    /// Index of the material of solids, with the axes of their section if it is anisotropic: those of `ORIENTATION`, else
+    /// the global ones.
+    fn material_of_solid(
+        &mut self,
+        name: &str,
+        (place, user): (usize, &Block),
+        (model, materials): (&Model, &Materials),
+        unread: &mut UnreadCards,
+    ) -> Result<u32, FileProblem> {
+        let mut material = materials.find(name, user, Use::Solid)?;
+        let Some(solid) = &mut material.solid else {
+            return self.material(name, user, materials, Use::Solid);
+        };
+        let keyword = &user.keyword;
+        let by = (key(name), Some((keyword.choice("ORIENTATION"), place)));
+        if let Some(made) = self.materials.find(&by) {
+            return Ok(made);
+        }
+        match keyword.get("ORIENTATION").filter(|name| !name.is_empty()) {
+            Some(named) => {
+                let found = Orientation::named((model, self.code), place, named, user, unread)?;
+                if let Some(found) = found {
+                    solid.axes = found.axes().ok_or_else(|| {
+                        keyword.problem(
+                            &format!("the points of the orientation {named} give no axes"),
+                            "choose points that form a triangle with the origin, or two different points of a cylinder's axis",
+                        )
+                    })?;
+                }
+            }
+            None => {
+                let placed = model.places.get(place);
+                if placed.is_some_and(|placed| placed.motion().turns()) {
+                    let name = "anisotropic solids without ORIENTATION in a turned *INSTANCE";
+                    unread.note(name, &keyword.at, Carries::Structure);
+                }
+            }
+        }
+        Ok(self.materials.add(by, material))
     }
 
     /// The property of `*SHELL SECTION, COMPOSITE`.
@@ -153,7 +196,7 @@ impl<'m> Sections<'m> {
         let mut layers = Vec::new();
         for (thickness, material, angle) in shells::layers(block, unread)? {
             layers.push(Layer {
-                material: self.material(material, block, materials, true)?,
+                material: self.material(material, block, materials, Use::Shell)?,
                 thickness,
                 angle,
             });
@@ -291,7 +334,16 @@ impl<'m> Sections<'m> {
             }
         };
         let written = keyword.require("MATERIAL", "MATERIAL")?;
-        let material = self.material(written, block, materials, family == Family::Shell)?;
+        let material = match family {
+            Family::Solid => {
+                let section = (place, block);
+                self.material_of_solid(written, section, (model, materials), unread)?
+            }
+            Family::Shell => self.material(written, block, materials, Use::Shell)?,
+            Family::Beam(_) | Family::Truss | Family::Facet => {
+                self.material(written, block, materials, Use::Line)?
+            }
+        };
         let property = Property {
             name,
             material: Some(material),
@@ -472,6 +524,7 @@ fn general(block: &Block, name: &str) -> Result<(Section, Material), FileProblem
         poisson: young / (2.0 * shear) - 1.0,
         density,
         sheet: None,
+        solid: None,
     };
     Ok((section, material))
 }

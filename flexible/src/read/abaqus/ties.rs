@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::couplings::bare;
 use super::lines::{Row, key};
+use super::mean_rotation::{MeanRotation, dependent};
 use super::model::Model;
 use super::rotations::Rotations;
 use super::scope::{Block, label};
@@ -44,7 +45,7 @@ pub(super) struct Ties<'m, 'u> {
 pub(super) fn make(
     model: &mut Model,
     mesh: &mut Mesh,
-    rotations: &Rotations,
+    (rotations, means): (&Rotations, &[MeanRotation]),
     unread: &mut UnreadCards,
 ) -> Result<(), FileProblem> {
     let mut ties = Ties {
@@ -60,6 +61,7 @@ pub(super) fn make(
         spread: BTreeSet::new(),
     };
     ties.read()?;
+    ties.mean_rotations(means)?;
     ties.note_idle_elements();
     rotations.refuse_ties(&ties.made, ties.unread);
     let Ties {
@@ -336,10 +338,16 @@ impl Ties<'_, '_> {
     }
 
     /// `*MPC`: `BEAM, a, b`, `TIE, a, b`, `PIN, a, b`: the first node, or each of the first set, depends on
-    /// the second.
+    /// the second. [`MeanRotation`] has `MEANROT`.
     fn constraints(&mut self, place: usize, block: &Block) -> Result<(), FileProblem> {
+        let mut mean = false;
         for row in block.rows.iter().filter(|row| !row.is_blank()) {
             let kind = key(row.text(0));
+            // they are read by themselves, with the lines after them that begin with 0
+            mean = self.code == Code::CalculiX && (kind == "MEANROT" || mean && kind == "0");
+            if mean {
+                continue;
+            }
             if !matches!(kind.as_str(), "BEAM" | "TIE" | "PIN") {
                 let name = format!("*MPC {kind}");
                 self.unread.note(&name, &row.at, Carries::Structure);
@@ -360,6 +368,18 @@ impl Ties<'_, '_> {
                     _ => self.same(a, b, TRANSLATIONS),
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// Adds mean rotations, after the ties that may name their angles.
+    fn mean_rotations(&mut self, means: &[MeanRotation]) -> Result<(), FileProblem> {
+        let mut taken = dependent(&self.made);
+        for mean in means {
+            let model = (self.model, self.frames);
+            let tie = mean.equation(self.id(), model, &taken, &mut self.doubts)?;
+            taken.extend(dependent(std::slice::from_ref(&tie)));
+            self.made.push(tie);
         }
         Ok(())
     }

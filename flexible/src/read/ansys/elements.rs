@@ -255,6 +255,7 @@ impl Making<'_> {
             poisson,
             density: value("DENS").unwrap_or(0.0),
             sheet: None,
+            solid: None,
         };
         Ok(Some(self.materials.add(number, material)))
     }

@@ -6,20 +6,11 @@ use std::collections::BTreeMap;
 use super::card::Card;
 use super::grids::{GridCard, Lookup};
 use super::lines::At;
-use super::vector::{IDENTITY, Rotation, from_axes, norm, product, rotate, unit};
+use super::vector::{Rotation, from_axes, norm, rotate, unit};
 use crate::error::FileProblem;
 use crate::fe::vector::{add, cross, subtract};
-
-/// Kind of coordinates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
-    /// x, y, z.
-    Rectangular,
-    /// r, θ in degrees, z.
-    Cylindrical,
-    /// r, θ from +z, φ in degrees.
-    Spherical,
-}
+pub(super) use crate::mesh::Coordinates as Shape;
+use crate::mesh::LocalAxes;
 
 /// Origin, a point on the z axis, a point in the x–z plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,88 +71,32 @@ pub(super) fn read_by_grids(card: &Card, shape: Shape) -> Result<Vec<SystemCard>
     Ok(systems)
 }
 
-/// A coordinate system placed in the basic one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct CoordinateSystem {
-    shape: Shape,
-    origin: [f64; 3],
-    rotation: Rotation,
-}
-
-const BASIC: CoordinateSystem = CoordinateSystem {
-    shape: Shape::Rectangular,
-    origin: [0.0; 3],
-    rotation: IDENTITY,
-};
-
-impl CoordinateSystem {
-    /// The position in the basic frame of a point in this system's coordinates (angles in degrees).
-    fn place(&self, x: [f64; 3]) -> [f64; 3] {
-        let radians = std::f64::consts::PI / 180.0;
-        let local = match self.shape {
-            Shape::Rectangular => x,
-            Shape::Cylindrical => {
-                let angle = x[1] * radians;
-                [x[0] * libm::cos(angle), x[0] * libm::sin(angle), x[2]]
-            }
-            Shape::Spherical => {
-                let (polar, azimuth) = (x[1] * radians, x[2] * radians);
-                let r = x[0] * libm::sin(polar);
-                [
-                    r * libm::cos(azimuth),
-                    r * libm::sin(azimuth),
-                    x[0] * libm::cos(polar),
-                ]
-            }
-        };
-        add(self.origin, rotate(&self.rotation, local))
-    }
-
-    /// The axes at a position in the basic frame. On the axis of a curvilinear system the angle counts as
-    /// zero.
-    fn axes_at(&self, position: [f64; 3]) -> Rotation {
-        if self.shape == Shape::Rectangular {
-            return self.rotation;
+/// The position in the basic frame of a point in the coordinates of a system (angles in degrees).
+fn place_in(system: &LocalAxes, x: [f64; 3]) -> [f64; 3] {
+    let radians = std::f64::consts::PI / 180.0;
+    let local = match system.coordinates {
+        Shape::Rectangular => x,
+        Shape::Cylindrical => {
+            let angle = x[1] * radians;
+            [x[0] * libm::cos(angle), x[0] * libm::sin(angle), x[2]]
         }
-        let d = subtract(position, self.origin);
-        let [x, y, z] = [0, 1, 2].map(|j: usize| {
-            self.rotation
-                .iter()
-                .zip(d)
-                .map(|(row, d)| row.get(j).copied().unwrap_or(0.0) * d)
-                .sum::<f64>()
-        });
-        let across = libm::hypot(x, y);
-        // the rounding error of a position on the axis must not turn the frame
-        let (cos, sin) = if across > 1e-12 * norm(d).max(norm(self.origin)) {
-            (x / across, y / across)
-        } else {
-            (1.0, 0.0)
-        };
-        let local = match self.shape {
-            Shape::Spherical => {
-                let r = libm::hypot(across, z);
-                let (s, c) = if r > 0.0 {
-                    (across / r, z / r)
-                } else {
-                    (0.0, 1.0)
-                };
-                from_axes(
-                    [s * cos, s * sin, c],
-                    [c * cos, c * sin, -s],
-                    [-sin, cos, 0.0],
-                )
-            }
-            _ => from_axes([cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]),
-        };
-        product(&self.rotation, &local)
-    }
+        Shape::Spherical => {
+            let (polar, azimuth) = (x[1] * radians, x[2] * radians);
+            let r = x[0] * libm::sin(polar);
+            [
+                r * libm::cos(azimuth),
+                r * libm::sin(azimuth),
+                x[0] * libm::cos(polar),
+            ]
+        }
+    };
+    add(system.origin, rotate(&system.rotation, local))
 }
 
 /// All coordinate systems of a deck.
 #[derive(Debug, Default)]
 pub(super) struct Systems {
-    placed: BTreeMap<u64, CoordinateSystem>,
+    placed: BTreeMap<u64, LocalAxes>,
 }
 
 impl Systems {
@@ -243,15 +178,15 @@ impl Systems {
             }
             let [a, b, c] = match card.points {
                 Points::In(reference, points) => {
-                    let system = self.find(reference).unwrap_or(BASIC);
-                    points.map(|point| system.place(point))
+                    let system = self.find(reference).unwrap_or(LocalAxes::BASIC);
+                    points.map(|point| place_in(&system, point))
                 }
                 Points::Grids(ids) => {
                     let mut places = [[0.0; 3]; 3];
                     for (place, id) in places.iter_mut().zip(ids) {
                         let grid = grid(id, card, grids, lookup)?;
-                        let system = self.find(grid.placement.unwrap_or(0)).unwrap_or(BASIC);
-                        *place = system.place(grid.coordinates);
+                        let system = self.find(grid.placement.unwrap_or(0));
+                        *place = place_in(&system.unwrap_or(LocalAxes::BASIC), grid.coordinates);
                     }
                     places
                 }
@@ -277,10 +212,10 @@ impl Systems {
             };
             self.placed.insert(
                 card.id,
-                CoordinateSystem {
-                    shape: card.shape,
+                LocalAxes {
+                    coordinates: card.shape,
                     origin: a,
-                    rotation,
+                    ..LocalAxes::fixed(rotation)
                 },
             );
             stack.pop();
@@ -288,9 +223,9 @@ impl Systems {
         Ok(())
     }
 
-    fn find(&self, id: u64) -> Option<CoordinateSystem> {
+    fn find(&self, id: u64) -> Option<LocalAxes> {
         if id == 0 {
-            return Some(BASIC);
+            return Some(LocalAxes::BASIC);
         }
         self.placed.get(&id).copied()
     }
@@ -304,7 +239,7 @@ impl Systems {
         at: &At,
     ) -> Result<[f64; 3], FileProblem> {
         self.find(id)
-            .map(|system| system.place(x))
+            .map(|system| place_in(&system, x))
             .ok_or_else(|| unknown_system(id, &user(), at))
     }
 
@@ -316,15 +251,22 @@ impl Systems {
         user: &dyn Fn() -> String,
         at: &At,
     ) -> Result<Rotation, FileProblem> {
-        self.find(id)
-            .map(|system| system.axes_at(position))
-            .ok_or_else(|| unknown_system(id, &user(), at))
+        Ok(self.axes(id, user, at)?.at(position))
+    }
+
+    /// The axes of a system as a function of the place.
+    pub fn axes(
+        &self,
+        id: u64,
+        user: &dyn Fn() -> String,
+        at: &At,
+    ) -> Result<LocalAxes, FileProblem> {
+        self.find(id).ok_or_else(|| unknown_system(id, &user(), at))
     }
 
     /// Whether a system has the same axes everywhere.
     pub fn is_rectangular(&self, id: u64) -> bool {
-        self.find(id)
-            .is_none_or(|system| system.shape == Shape::Rectangular)
+        self.find(id).is_none_or(|system| system.is_rectangular())
     }
 }
 

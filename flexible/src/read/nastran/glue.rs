@@ -1,21 +1,25 @@
 //! Glued surfaces of NX Nastran: the pairs of `BGSET` and `BGADD`, and their regions `BSURF`, `BSURFS`, `BCPROP` and
-//! `BCPROPS` (NX Nastran, Quick Reference Guide).
+//! `BCPROPS` (NX Nastran, Quick Reference Guide); glued bodies of MSC Nastran are in [`contact`].
 //!
 //! Nastran joins the surfaces by stiff springs. Here the nodes of the source region follow the faces of the target
 //! region, as in [`crate::read::tied`], and keep their distance. On shells the rotations of the target's nodes turn
 //! this distance.
+
+mod contact;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::card::{Card, Ids};
 use super::grids::Lookup;
 use super::lines::At;
-use super::sections::Selection;
+use super::sections::{CaseControl, Selection};
 use super::supports::{add_sum, chosen};
+use super::unread::UnreadCards;
 use crate::element::around;
 use crate::error::FileProblem;
 use crate::mesh::{Element, Mesh, Section, Tie};
 use crate::read::tied::{Face, Request, Tied, doubt, tied};
+use contact::Contact;
 
 /// Nastran's search distance (length of the deck) where the card states none.
 const SEARCH: f64 = 10.0;
@@ -54,6 +58,7 @@ pub(super) struct Glue {
     pairs: Vec<Pair>,
     sets: BTreeSet<u64>,
     sums: BTreeMap<u64, Vec<u64>>,
+    contact: Contact,
 }
 
 /// Ties of all pairs, and the remarks of the reader about them.
@@ -72,7 +77,7 @@ impl Glue {
                     self.wrong.entry(id).or_insert(problem);
                 }
             }
-            _ => return Ok(false),
+            _ => return self.contact.read(card),
         }
         Ok(true)
     }
@@ -147,79 +152,89 @@ impl Glue {
         mesh: &Mesh,
         properties: &[u64],
         lookup: &Lookup,
-        selection: &Selection,
+        case: &CaseControl,
+        unread: &mut UnreadCards,
     ) -> Result<Glued, FileProblem> {
-        let (mut ties, mut doubts) = (Vec::new(), Vec::new());
+        if self.pairs.is_empty() && self.contact.is_empty() {
+            return Ok(Glued::default());
+        }
+        let mut joining = Joining {
+            faces: Faces {
+                mesh,
+                properties,
+                lookup,
+                outer: None,
+            },
+            turning: turning(mesh),
+            following: BTreeSet::new(),
+            // equations of cards have the numbers of their sets
+            next: mesh.ties.iter().map(Tie::id).max().unwrap_or(0) + 1,
+            ties: Vec::new(),
+            doubts: Vec::new(),
+        };
+        self.join(&mut joining, &case.bgset)?;
+        self.contact.join(self, &mut joining, case, unread)?;
+        Ok((joining.ties, joining.doubts))
+    }
+
+    /// Adds the ties of the selected `BGSET`.
+    fn join(&self, joining: &mut Joining, selection: &Selection) -> Result<(), FileProblem> {
         let Some(first) = self.pairs.first() else {
-            return Ok((ties, doubts));
+            return Ok(());
         };
         if matches!(selection, Selection::Nothing) {
-            doubts.push(format!(
+            joining.doubts.push(format!(
                 "{}:{}: no BGSET = in case control selects the glue, and the surfaces stay apart, as in Nastran",
                 first.at.file, first.at.line
             ));
-            return Ok((ties, doubts));
+            return Ok(());
         }
         let sets = chosen(selection, &self.sums, &self.sets, "BGSET")?;
-        let mut faces = Faces {
-            mesh,
-            properties,
-            lookup,
-            outer: None,
-        };
-        // equations of cards have the numbers of their sets
-        let mut next = mesh.ties.iter().map(Tie::id).max().unwrap_or(0) + 1;
-        let mut following = BTreeSet::new();
-        let turning = turning(mesh);
         for pair in &self.pairs {
             if sets.as_ref().is_some_and(|sets| !sets.contains(&pair.set)) {
                 continue;
             }
-            let source = self.faces(pair.source, pair, &mut faces)?;
-            let target = self.faces(pair.target, pair, &mut faces)?;
-            let nodes: BTreeSet<u32> = source.iter().flat_map(|face| face.nodes.clone()).collect();
-            // a node follows one face
-            let nodes: Vec<u32> = nodes.difference(&following).copied().collect();
-            if nodes.is_empty() {
+            let source = self.faces(pair.source, pair, &mut joining.faces)?;
+            let target = self.faces(pair.target, pair, &mut joining.faces)?;
+            let Some((tied, count)) = joining.tie([&source, &target], pair.search) else {
                 continue;
-            }
-            let request = Request {
-                nodes: &nodes,
-                faces: &target,
-                tolerance: Some(pair.search),
-                adjust: false,
-                turning: None,
-                arms: Some(&turning),
-                facing: true,
             };
-            let tied = tied(&mesh.nodes, &mesh.frames, &request, next);
-            pair.told(&tied, nodes.len(), &mut doubts)?;
+            pair.told(&tied, count, &mut joining.doubts)?;
             // a node has an equation for each direction
-            let turned = tied.followers().filter(|node| turns(&turning, *node));
-            pair.turned(turned.collect::<BTreeSet<_>>().len(), &mut doubts);
-            next += tied.ties.len() as u64;
-            following.extend(tied.followers());
-            ties.extend(tied.ties);
+            let turned = tied
+                .followers()
+                .filter(|node| turns(&joining.turning, *node));
+            let turned = turned.collect::<BTreeSet<_>>().len();
+            pair.turned(turned, &mut joining.doubts);
+            joining.keep(tied);
         }
-        Ok((ties, doubts))
+        Ok(())
+    }
+
+    /// The parts of a region.
+    ///
+    /// # Errors
+    /// A region that is missing or wrong.
+    fn parts(&self, id: u64, at: &At, user: &str) -> Result<Vec<(Part, At)>, FileProblem> {
+        let wrong = |id: Option<u64>| self.wrong.get(&id).map_or(Ok(()), |p| Err(p.clone()));
+        wrong(Some(id))?;
+        match self.regions.get(&id) {
+            Some(parts) => Ok(parts.clone()),
+            None => {
+                wrong(None)?;
+                Err(at.problem(
+                    format!("{user} region {id}, which is missing or no surface"),
+                    "add its BSURF, BSURFS, BCPROP or BCPROPS; Eng does not read glued edges (BLSEG)",
+                ))
+            }
+        }
     }
 
     /// The faces of a region.
     fn faces(&self, id: u64, pair: &Pair, faces: &mut Faces) -> Result<Vec<Face>, FileProblem> {
-        let wrong = |id: Option<u64>| self.wrong.get(&id).map_or(Ok(()), |p| Err(p.clone()));
-        wrong(Some(id))?;
-        let Some(parts) = self.regions.get(&id) else {
-            wrong(None)?;
-            return Err(pair.at.problem(
-                format!(
-                    "BGSET {} glues region {id}, which is missing or no surface",
-                    pair.set
-                ),
-                "add its BSURF, BSURFS, BCPROP or BCPROPS; Eng does not read glued edges (BLSEG)",
-            ));
-        };
+        let parts = self.parts(id, &pair.at, &format!("BGSET {} glues", pair.set))?;
         let mut found = Vec::new();
-        for (part, at) in parts {
+        for (part, at) in &parts {
             let before = found.len();
             faces.add(part, at, &mut found)?;
             if found.len() == before {
@@ -264,6 +279,52 @@ impl Pair {
     }
 }
 
+/// The ties of pairs of surfaces, one pair after the other.
+struct Joining<'a> {
+    faces: Faces<'a>,
+    /// Nodes whose rotations a shell uses.
+    turning: Vec<bool>,
+    /// Nodes that follow a face: a node follows one alone.
+    following: BTreeSet<u32>,
+    /// The number of the next tie.
+    next: u64,
+    ties: Vec<Tie>,
+    doubts: Vec<String>,
+}
+
+impl Joining<'_> {
+    /// The ties of the source's nodes that follow no face yet to the target, and the number of these nodes; `None` without
+    /// such nodes.
+    fn tie(&self, [source, target]: [&[Face]; 2], search: f64) -> Option<(Tied, usize)> {
+        let nodes: BTreeSet<u32> = source.iter().flat_map(|face| face.nodes.clone()).collect();
+        let nodes: Vec<u32> = nodes.difference(&self.following).copied().collect();
+        if nodes.is_empty() {
+            return None;
+        }
+        let request = Request {
+            nodes: &nodes,
+            faces: target,
+            tolerance: Some(search),
+            adjust: false,
+            turning: None,
+            arms: Some(&self.turning),
+            facing: true,
+        };
+        let mesh = self.faces.mesh;
+        Some((
+            tied(&mesh.nodes, &mesh.frames, &request, self.next),
+            nodes.len(),
+        ))
+    }
+
+    /// Keeps the ties of a pair.
+    fn keep(&mut self, tied: Tied) {
+        self.next += tied.ties.len() as u64;
+        self.following.extend(tied.followers());
+        self.ties.extend(tied.ties);
+    }
+}
+
 /// The faces of a mesh.
 struct Faces<'a> {
     mesh: &'a Mesh,
@@ -274,6 +335,31 @@ struct Faces<'a> {
 }
 
 impl Faces<'_> {
+    /// The outer faces of the solids of a body, and whether it has shells. All elements of its regions belong to it.
+    fn body(&self, parts: &[(Part, At)]) -> (Vec<Face>, bool) {
+        let is_part = |(element, property): &(&Element, &u64)| {
+            parts.iter().any(|(part, _)| match part {
+                Part::Shells(ids) => ids.holds(element.id),
+                Part::Properties { ids, .. } => ids.holds(**property),
+                Part::Face(id, _) => *id == element.id,
+            })
+        };
+        let elements = self.mesh.elements.iter().zip(self.properties);
+        let (mut solids, mut shells) = (Vec::new(), false);
+        for (element, _) in elements.filter(is_part) {
+            shells |= is_shell(element);
+            if element.kind.is_solid() {
+                solids.extend(faces_of(self.mesh, element));
+            }
+        }
+        let mut counts: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+        for face in &solids {
+            *counts.entry(key(face)).or_default() += 1;
+        }
+        solids.retain(|face| counts.get(&key(face)) == Some(&1));
+        (solids, shells)
+    }
+
     fn add(&mut self, part: &Part, at: &At, found: &mut Vec<Face>) -> Result<(), FileProblem> {
         match part {
             Part::Face(id, corners) => {

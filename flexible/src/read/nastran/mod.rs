@@ -3,9 +3,9 @@
 //!
 //! The reader accepts free, small and large field in any mixture, continuations next to their card or
 //! anywhere by name, and `INCLUDE`. It skips executive and case control, except `SPC =`, `MPC =`, `NSM =`,
-//! `BGSET =` and the temperatures of materials. Without `SPC =` or `MPC =` all sets apply. Sets of the mesh have the names
-//! `set:3` (`SET1`, `SET3`) and `pid:3` (elements with property 3). `PARAM,WTMASS` multiplies densities and
-//! masses here. Without a positive `PARAM,COUPMASS` the mesh has lumped masses, and without
+//! `BGSET =`, `BCONTACT =` and the temperatures of materials. Without `SPC =` or `MPC =` all sets apply. Sets of
+//! the mesh have the names `set:3` (`SET1`, `SET3`) and `pid:3` (elements with property 3). `PARAM,WTMASS`
+//! multiplies densities and masses here. Without a positive `PARAM,COUPMASS` the mesh has lumped masses, and without
 //! `PARAM,AUTOSPC,NO` freedoms without stiffness are held.
 //!
 //! ```text
@@ -177,7 +177,7 @@ impl Deck {
             "CROD" | "CTUBE" => self.beams.rod(card, &mut self.elements)?,
             "CONROD" => self.beams.conrod(card, &mut self.elements)?,
             "PARAM" => self.parameter(card)?,
-            "MATT1" | "MATT2" | "MATT3" | "MATT8" | "MATT9" => {
+            "MATT1" | "MATT2" | "MATT3" | "MATT8" | "MATT9" | "MATT11" => {
                 self.thermal.push((card.name.clone(), card.at.clone()));
             }
             _ => {
@@ -302,7 +302,9 @@ impl Deck {
             &mut mesh.scalar_points,
             &mut self.unread,
         )?;
-        let (glued, doubts) = self.glue.ties(&mesh, &properties, &lookup, &case.bgset)?;
+        let (glued, doubts) =
+            self.glue
+                .ties(&mesh, &properties, &lookup, case, &mut self.unread)?;
         mesh.ties.extend(glued);
         self.doubts.extend(doubts);
         let mut cards = HoldingCards::default();
@@ -375,7 +377,7 @@ impl Deck {
     ) -> Result<Vec<u64>, FileProblem> {
         let cards = &self.elements.cards;
         distinct("element", cards.iter().map(|card| (card.id, &card.at)))?;
-        let mut made = UsedProperties::new(&self.properties, self.mass_scale);
+        let mut made = UsedProperties::new(&self.properties, systems, self.mass_scale);
         let around = Around {
             nodes: &mesh.nodes,
             grids,
@@ -475,6 +477,7 @@ impl Deck {
         for (name, at) in &made.odd_shear {
             self.unread.note(name, at, Carries::Structure);
         }
+        self.doubts.extend(made.axes_told.into_doubts());
         mesh.properties = made.properties.all;
         mesh.materials = made.materials.all;
         mesh.laminates = made.laminates.all;

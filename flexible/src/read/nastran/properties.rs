@@ -1,6 +1,7 @@
 //! Properties and materials: `PSOLID`, `PSHELL`, `PBAR`, `PBARL`, `PBEAM`, `PBEAML`, `PROD`, `PTUBE`, `PCOMP`,
-//! `PCOMPG`, `MAT1`, `MAT2`, `MAT8`.
+//! `PCOMPG`, `MAT1`, `MAT2`, `MAT8`, `MAT9`, `MAT11`.
 
+mod anisotropic;
 mod used;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,6 +16,7 @@ use super::unread::UnreadCards;
 use crate::error::FileProblem;
 use crate::mesh::{BeamSection, Carries, Station, Variant};
 
+use anisotropic::{Axes, SolidConstants};
 pub(super) use used::UsedProperties;
 
 /// A rod: only area, torsion constant and added mass per length.
@@ -29,7 +31,8 @@ pub(super) fn rod(area: f64, torsion: f64, mass_per_length: f64) -> BeamSection 
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    Solid(Variant),
+    /// A solid, and the axes of its material.
+    Solid(Variant, Axes),
     Shell(PlateCard),
     /// A laminate: index into the deck's.
     Laminate(usize),
@@ -70,6 +73,8 @@ enum Constants {
     Stretch([f64; 2]),
     /// The constants of a sheet.
     Sheet(Box<SheetConstants>),
+    /// Those of an anisotropic solid.
+    Solid(Box<SolidConstants>),
     /// A material that can't be expressed.
     Unreadable,
 }
@@ -155,7 +160,7 @@ impl Properties {
     /// The integration of the solids of a property.
     pub fn variant(&self, family: Family, id: u64) -> Variant {
         match self.properties.get(&(family, id)).map(|card| card.kind) {
-            Some(Kind::Solid(variant)) => variant,
+            Some(Kind::Solid(variant, _)) => variant,
             _ => Variant::Plain,
         }
     }
@@ -233,7 +238,15 @@ impl Properties {
                 let sheet = SheetConstants::orthotropic(card)?;
                 self.material(card, Constants::Sheet(Box::new(sheet)))?;
             }
-            "MAT3" | "MAT9" | "MAT10" | "MAT11" | "MATHE" | "MATORT" => {
+            "MAT9" => {
+                let solid = SolidConstants::anisotropic(card)?;
+                self.material(card, Constants::Solid(Box::new(solid)))?;
+            }
+            "MAT11" => {
+                let solid = SolidConstants::orthotropic(card)?;
+                self.material(card, Constants::Solid(Box::new(solid)))?;
+            }
+            "MAT3" | "MAT10" | "MATHE" | "MATORT" => {
                 self.material(card, Constants::Unreadable)?;
             }
             _ => return Ok(false),
@@ -245,7 +258,7 @@ impl Properties {
     fn solid(&mut self, card: &Card) -> Result<(), FileProblem> {
         let kind = match card.text(6) {
             "PFLUID" | "FFLUID" => Kind::Unreadable,
-            _ => Kind::Solid(network(card)?),
+            _ => Kind::Solid(network(card)?, Axes::read(card)),
         };
         let material = card.id(1, "MID")?;
         self.insert(card, Family::Solid, Some(material), kind)

@@ -1,5 +1,5 @@
 //! The sections of a deck: executive and case control are skipped, except for the entries that select
-//! supports, equations, added mass, glue and the temperature of the materials; a deck of cards alone has none of them. Of
+//! supports, equations, added mass, glue, contact and the temperature of the materials; a deck of cards alone has none of them. Of
 //! several subcases those with a `METHOD` count, which are the ones of the modes, else all.
 
 use super::card::{Card, cut};
@@ -23,6 +23,10 @@ pub(super) struct CaseControl {
     pub nsm: Selection,
     /// Its sets of glue, which need an entry, too.
     pub bgset: Selection,
+    /// Its tables of contact, which need an entry, too.
+    pub bcontact: Selection,
+    /// Where it lets all bodies touch each other.
+    pub all_contact: Option<At>,
     /// Whether the deck has case control at all.
     pub stated: bool,
     /// Whether it gives the materials a temperature.
@@ -54,6 +58,8 @@ struct Case {
     mpc: Option<(u64, At)>,
     nsm: Option<(u64, At)>,
     bgset: Option<(u64, At)>,
+    bcontact: Option<(u64, At)>,
+    all_contact: Option<At>,
     /// Whether it selects a method for modes.
     method: bool,
 }
@@ -69,6 +75,10 @@ impl Case {
             self.nsm = Some((number, at.clone()));
         } else if let Some(number) = selected(text, "BGSET") {
             self.bgset = Some((number, at.clone()));
+        } else if let Some(number) = selected(text, "BCONTACT") {
+            self.bcontact = Some((number, at.clone()));
+        } else if first_word(text) == "BCONTACT" && text.to_ascii_uppercase().contains("ALL") {
+            self.all_contact = Some(at.clone());
         } else {
             self.method |= text.contains('=') && first_word(text) == "METHOD";
         }
@@ -103,7 +113,7 @@ impl Cases {
     /// The selection that holds for the modes.
     ///
     /// # Errors
-    /// Subcases of modes with different equations, added mass or glue.
+    /// Subcases of modes with different equations, added mass, glue or contact.
     fn selection(mut self) -> Result<CaseControl, FileProblem> {
         if self.subcases.is_empty() {
             self.subcases.push(self.above);
@@ -132,6 +142,12 @@ impl Cases {
                 ("equations", "MPC", &case.mpc, &first.mpc),
                 ("sets of added mass", "NSM", &case.nsm, &first.nsm),
                 ("sets of glue", "BGSET", &case.bgset, &first.bgset),
+                (
+                    "tables of contact",
+                    "BCONTACT",
+                    &case.bcontact,
+                    &first.bcontact,
+                ),
             ] {
                 if number(here) != number(before)
                     && let Some((_, at)) = here.as_ref().or(before.as_ref())
@@ -159,11 +175,16 @@ impl Cases {
                 ));
             }
         }
-        let [spc, mpc, nsm, bgset] = [
+        let all_contact = self
+            .subcases
+            .iter()
+            .find_map(|case| case.all_contact.clone());
+        let [spc, mpc, nsm, bgset, bcontact] = [
             (&first.spc, some[0]),
             (&first.mpc, some[1]),
             (&first.nsm, self.controlled),
             (&first.bgset, self.controlled),
+            (&first.bcontact, self.controlled),
         ]
         .map(|(set, some)| match set {
             Some((number, at)) => Selection::One(*number, at.clone()),
@@ -175,6 +196,8 @@ impl Cases {
             mpc,
             nsm,
             bgset,
+            bcontact,
+            all_contact,
             stated: self.controlled,
             temperature: self.temperature,
             modes,

@@ -14,13 +14,13 @@ impl UnreadCards {
 /// Cards of mass, stiffness or constraint. The list has properties and materials only if Eng reads their
 /// elements without them.
 const STRUCTURE: &[&str] = &[
-    "BCBODY", "BCONP", "BCTABLE", "BCTADD", "BCTSET", "CACINF3", "CACINF4", "CBEAM3", "CBEND",
-    "CBUSH2D", "CFAST", "CGAP", "CHACAB", "CHACBR", "CNGRET", "CONV", "CPLSTN3", "CPLSTN4",
-    "CPLSTN6", "CPLSTN8", "CPLSTS3", "CPLSTS4", "CPLSTS6", "CPLSTS8", "CQUAD", "CQUADX", "CRAC2D",
-    "CRAC3D", "CSEAM", "CSUPEXT", "CTRAX3", "CTRAX6", "CTRIAX", "CTRIAX6", "CQUADX4", "CQUADX8",
-    "CWELD", "DMIG", "DMIAX", "EBDADD", "EBDSET", "GENEL", "GMBC", "GMSPC", "PGAP", "RJOINT",
-    "RSSCON", "SEBNDRY", "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN",
-    "SESET", "SETREE", "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
+    "BCONP", "BCTADD", "BCTSET", "CACINF3", "CACINF4", "CBEAM3", "CBEND", "CBUSH2D", "CFAST",
+    "CGAP", "CHACAB", "CHACBR", "CNGRET", "CONV", "CPLSTN3", "CPLSTN4", "CPLSTN6", "CPLSTN8",
+    "CPLSTS3", "CPLSTS4", "CPLSTS6", "CPLSTS8", "CQUAD", "CQUADX", "CRAC2D", "CRAC3D", "CSEAM",
+    "CSUPEXT", "CTRAX3", "CTRAX6", "CTRIAX", "CTRIAX6", "CQUADX4", "CQUADX8", "CWELD", "DMIG",
+    "DMIAX", "EBDADD", "EBDSET", "GENEL", "GMBC", "GMSPC", "PGAP", "RJOINT", "RSSCON", "SEBNDRY",
+    "SEBULK", "SECONCT", "SEELT", "SEEXCLD", "SELABEL", "SELOC", "SEMPLN", "SESET", "SETREE",
+    "SNORM", "SPCOFF", "SPCOFF1", "CYJOIN", "CYSYM", "TF",
 ];
 
 /// Cards of loads, requests and solution methods, for [`carries`].
@@ -40,5 +40,5 @@ const NOTHING: &[&str] = &[
     "TEMPBC", "TIC", "TLOAD.", "TRIM", "TSTEP", "TSTEP1", "TSTEPNL", "USET", "USET1", "MATS1",
     "MAT2", "MAT3", "MAT8", "MAT9", "MAT10", "MAT11", "VIEW", "VIEW3D", "RADM", "RADSET", "PSET",
     "PVAL", "BNDFIX", "BNDFIX1", "BNDFREE", "BNDFREE1", "OUTPUT", "PARAM", "DCONSTR", "TOPVAR",
-    "NLSTEP", "NLCNTL.", "TABRNDG", "BCPARA", "BCTPARA", "BCRPARA", "DDVAL", "DSC",
+    "NLSTEP", "NLCNTL.", "TABRNDG", "BCBDPRP", "BCONPRP", "BCTPARA", "BCRPARA", "DDVAL", "DSC",
 ];

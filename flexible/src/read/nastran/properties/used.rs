@@ -1,12 +1,15 @@
 //! The properties and materials that elements use, made of their cards.
 
+use super::anisotropic::{AxesTold, SolidConstants};
 use super::{Constants, Kind, LaminateCard, Properties, PropertyCard};
 use crate::error::FileProblem;
 use crate::mesh::{
-    BeamSection, Layer, Layup, Material, Property, Section, SheetElasticity, ShellSection, Station,
+    BeamSection, Layer, Layup, Material, Property, Section, SheetElasticity, ShellSection,
+    SolidElasticity, Station,
 };
 use crate::read::builder::Once;
 use crate::read::nastran::elements::Family;
+use crate::read::nastran::frames::Systems;
 use crate::read::nastran::lines::At;
 
 /// The role of a material in a section.
@@ -31,6 +34,8 @@ pub enum Form {
     Sheet,
     /// `MAT2` or `MAT8` of the shear across a shell.
     Across,
+    /// `MAT9` or `MAT11` in the axes of a coordinate system.
+    InSystem(u64),
 }
 
 /// The name of a material whose G is not that of an isotropic solid.
@@ -42,6 +47,7 @@ const NO_SHEAR: &str = "MAT1 without G and NU of solids, shells or beams with sh
 /// Properties and materials of a mesh, each made when an element first uses it.
 pub struct UsedProperties<'d> {
     cards: &'d Properties,
+    systems: &'d Systems,
     mass_scale: f64,
     /// Properties in the order of their first use, by family, number, a shell's own thickness and mass that other cards
     /// add.
@@ -54,20 +60,24 @@ pub struct UsedProperties<'d> {
     pub laminates: Once<usize, Vec<Layer>>,
     /// Sections of tapered beams, by the order of the deck's.
     pub tapers: Once<(usize, u64), Vec<Station>>,
+    /// What to say about the axes of materials.
+    pub axes_told: AxesTold,
 }
 
 impl<'d> UsedProperties<'d> {
     /// Begins without properties and materials. `mass_scale` multiplies every density and added mass
     /// (`PARAM,WTMASS`).
-    pub fn new(cards: &'d Properties, mass_scale: f64) -> Self {
+    pub fn new(cards: &'d Properties, systems: &'d Systems, mass_scale: f64) -> Self {
         UsedProperties {
             cards,
+            systems,
             mass_scale,
             properties: Once::default(),
             materials: Once::default(),
             odd_shear: Vec::new(),
             laminates: Once::default(),
             tapers: Once::default(),
+            axes_told: AxesTold::default(),
         }
     }
 
@@ -122,7 +132,7 @@ impl<'d> UsedProperties<'d> {
     ) -> Result<Property, FileProblem> {
         let scale = self.mass_scale;
         let section = match card.kind {
-            Kind::Solid(_) => Section::Solid,
+            Kind::Solid(..) => Section::Solid,
             Kind::Shell(plate) => {
                 let thickness = match own_thickness.or(plate.thickness) {
                     Some(thickness) => thickness,
@@ -284,6 +294,9 @@ impl<'d> UsedProperties<'d> {
                 "add its MAT1 card, or INCLUDE the file that holds it",
             ));
         };
+        if let Constants::Solid(own) = &card.constants {
+            return self.anisotropic(id, own, user);
+        }
         let line = matches!(user.kind, Kind::Line(_) | Kind::Tapered(_));
         let (young, poisson, density, sheet, form) = match (&card.constants, usage) {
             (Constants::Isotropic([young, poisson, density], shear), _) => {
@@ -330,7 +343,7 @@ impl<'d> UsedProperties<'d> {
             _ => {
                 return Err(card.at.problem(
                     format!("{}, used by {}, is not isotropic", card.name, user.name),
-                    "use MAT1, or for shells MAT2 or MAT8; otherwise read the matrices of the other code",
+                    "use MAT1, for shells MAT2 or MAT8, for solids MAT9 or MAT11; otherwise read the matrices of the other code",
                 ));
             }
         };
@@ -356,6 +369,56 @@ impl<'d> UsedProperties<'d> {
             poisson,
             density: density * self.mass_scale,
             sheet,
+            solid: None,
+        };
+        Ok(self.materials.add(by, material))
+    }
+
+    /// Index of an anisotropic material in the axes of a solid's property.
+    fn anisotropic(
+        &mut self,
+        id: u64,
+        own: &SolidConstants,
+        user: &PropertyCard,
+    ) -> Result<u32, FileProblem> {
+        let card = self.cards.materials.get(&id);
+        let (at, name) = card.map_or((&user.at, ""), |card| (&card.at, card.name.as_str()));
+        let Kind::Solid(_, axes) = user.kind else {
+            return Err(at.problem(
+                format!("{name}, used by {}, is only for solids", user.name),
+                "use MAT1, or for shells MAT2 or MAT8",
+            ));
+        };
+        let placed = axes.placed(user, self.systems)?;
+        self.axes_told.note(axes, &placed, user);
+        let by = (id, Form::InSystem(axes.system()));
+        if let Some(index) = self.materials.find(&by) {
+            return Ok(index);
+        }
+        let solid = SolidElasticity {
+            stiffness: own.stiffness,
+            axes: placed,
+        };
+        if let Some(fault) = solid.fault() {
+            return Err(at.problem(
+                format!("{name}, used by {}, has {fault}", user.name),
+                "check its constants, and the order of its fields",
+            ));
+        }
+        if own.density.is_nan() || own.density < 0.0 {
+            return Err(at.problem(
+                format!("{name}, used by {}, has RHO = {:?}", user.name, own.density),
+                "give a density that is not negative",
+            ));
+        }
+        let [young, poisson] = solid.first_constants();
+        let material = Material {
+            name: id.to_string(),
+            young,
+            poisson,
+            density: own.density * self.mass_scale,
+            sheet: None,
+            solid: Some(solid),
         };
         Ok(self.materials.add(by, material))
     }
