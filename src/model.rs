@@ -1,9 +1,12 @@
 //! Compiled models, and handles to their parameters and channels.
 
 use crate::counted::counted;
+use crate::places::without_places;
 use crate::{Error, Quantity, Report};
+use eng_compiler::elaborate::{BindProgram, Elaborated};
+use eng_compiler::models::SharedModel;
 use eng_grammar::{Diagnostics, SourceMap, nearest};
-use eng_system::code::Compiled;
+use eng_system::code::{Compiled, Function};
 use eng_system::input::Interpolation;
 use eng_system::system::{Body, BodyInertia};
 use eng_system::{Dimension, DisplayUnit};
@@ -16,10 +19,14 @@ pub struct Model {
     compiled: Compiled,
     texts: Arc<SourceMap>,
     reductions: Arc<[crate::Reduction]>,
+    /// Its system with all graphs.
+    shared: Arc<SharedModel>,
     /// Equal for models with interchangeable handles.
     handles: u64,
     /// [`Model::system_hash`], when a run has asked for it.
     system_hash: Arc<OnceLock<String>>,
+    /// [`Model::numbers_hash`], when it was asked for.
+    numbers_hash: Arc<OnceLock<String>>,
 }
 
 /// A number of a model that can change without compiling again.
@@ -103,13 +110,16 @@ impl Model {
         compiled: Compiled,
         texts: Arc<SourceMap>,
         reductions: Vec<crate::Reduction>,
+        shared: Arc<SharedModel>,
     ) -> Model {
         Model {
             handles: fingerprint(&compiled.system),
             compiled,
             texts,
             reductions: reductions.into(),
+            shared,
             system_hash: Arc::default(),
+            numbers_hash: Arc::default(),
         }
     }
 
@@ -118,6 +128,56 @@ impl Model {
         self.system_hash.get_or_init(|| {
             use sha2::Digest;
             hexadecimal(&sha2::Sha256::digest(format!("{:?}", self.compiled.system)))
+        })
+    }
+
+    /// SHA-256 of its system, of the graphs of its classes and parameters, and of the sources of its flexible bodies, as
+    /// hexadecimal digits. Places in the text are left out: a comment that moves them changes no number.
+    pub(crate) fn numbers_hash(&self) -> &str {
+        self.numbers_hash.get_or_init(|| {
+            use sha2::Digest;
+            let Elaborated {
+                system,
+                classes,
+                // the functions of the classes follow from them
+                bodies: _,
+                bind,
+                flexible,
+            } = &self.shared.elaborated;
+            let mut hash = sha2::Sha256::new();
+            let mut add = |text: String| hash.update(without_places(&text));
+            add(format!("{system:?} {flexible:?}"));
+            for class in classes {
+                for function in Function::ALL.map(|which| class.get(which)) {
+                    let nodes = function.graph.nodes();
+                    add(format!(
+                        "{} {:?} {nodes:?}",
+                        function.inputs, function.outputs
+                    ));
+                }
+                add(format!(
+                    "{:?} {:?}",
+                    class.kink_places, class.kinds_of_kinks
+                ));
+            }
+            let BindProgram {
+                function,
+                fixed,
+                slot_owners,
+                defaults,
+                rates,
+                parameters,
+                checks,
+                turned,
+                moving,
+                moving_slots,
+            } = &**bind;
+            let nodes = function.graph.nodes();
+            add(format!("{:?} {nodes:?} {fixed:?}", function.outputs));
+            add(format!("{slot_owners:?} {defaults:?} {rates:?}"));
+            add(format!("{parameters:?} {checks:?} {turned:?}"));
+            add(format!("{moving:?} {moving_slots:?}"));
+            hexadecimal(&hash.finalize())
         })
     }
 

@@ -48,6 +48,17 @@ pub(crate) fn span(at: Location) -> Span {
     }
 }
 
+/// The text that `{:?}` makes of a value, without the numbers of the places in it.
+pub(crate) fn without_places(text: &str) -> String {
+    let mut parts = text.split("Location {");
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        kept.push_str("Location");
+        kept.push_str(part.split_once('}').map_or(part, |(_, rest)| rest));
+    }
+    kept
+}
+
 /// Adds the place of the analysis that set a parameter.
 pub(crate) fn set_by(message: Diagnostic, analysis: &Origin) -> Diagnostic {
     message.also_if(analysis.used_at.map(span), "set by this analysis")

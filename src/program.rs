@@ -5,7 +5,7 @@ use crate::fields::Fields;
 use crate::indexed::base;
 use crate::model::{Model, hexadecimal};
 use crate::reduction::{Asked, Inspections, Reducer, Reduction};
-use crate::sources::{Sources, cache_folder};
+use crate::sources::{Sources, Stamp, cache_folder};
 use crate::timings::{CheckTimings, Clock};
 use eng_compiler::elaborate::{AnalysisPlan, Structural, analyses};
 use eng_compiler::models::SharedModels;
@@ -26,6 +26,7 @@ pub struct Checked {
     texts: Arc<SourceMap>,
     diagnostics: Diagnostics,
     program: Option<Program>,
+    sources: Sources,
     timings: CheckTimings,
 }
 
@@ -56,6 +57,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
             texts: Arc::new(texts),
             diagnostics,
             program: None,
+            sources: sources.clone(),
             timings: spent,
         };
     }
@@ -123,6 +125,7 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
         texts,
         diagnostics,
         program,
+        sources: sources.clone(),
         timings: spent,
     }
 }
@@ -194,6 +197,11 @@ impl Checked {
     /// Processor time of its phases so far; [`Program::assemble`] has the later ones.
     pub fn timings(&self) -> CheckTimings {
         self.timings
+    }
+
+    /// The files asked for so far, with their stamps: see [`Sources::asked`]. Runs of the program may add further ones.
+    pub(crate) fn asked(&self) -> BTreeMap<PathBuf, Option<Stamp>> {
+        self.sources.asked()
     }
 
     /// The program, if there is no error.
@@ -279,7 +287,7 @@ impl Program {
 
     /// The canonical paths of the files opened so far: the model, the files that it uses, its data.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
-        self.inner.sources.opened()
+        self.inner.sources.opened().into_iter().collect()
     }
 
     /// The files.
@@ -556,6 +564,7 @@ impl Program {
             },
             Arc::clone(&self.inner.texts),
             reductions,
+            Arc::clone(&model),
         ))
     }
 }

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
 
 /// The files of a model: a folder, or texts in memory. A model can read no file outside.
 #[derive(Clone, Debug)]
@@ -16,8 +17,36 @@ pub struct Sources {
     unsaved: Arc<BTreeMap<PathBuf, String>>,
     /// Hashes of files that are absent: their reductions are in the cache.
     sealed: Arc<BTreeMap<String, [u8; 32]>>,
-    /// The opened files of the folder. No output may replace one of them.
-    opened: Arc<Mutex<BTreeSet<PathBuf>>>,
+    /// The files of the folder that were asked for, by the paths at which they were sought.
+    asked: Arc<Mutex<BTreeMap<PathBuf, Asked>>>,
+}
+
+/// A file that was asked for.
+#[derive(Clone, Debug)]
+struct Asked {
+    /// Its stamp before it was first opened.
+    stamp: Option<Stamp>,
+    /// Its canonical path, if there is such a file. No output may replace it.
+    found: Option<PathBuf>,
+}
+
+/// The state of a file. Another content has another stamp, unless it has the same length and was written within the
+/// resolution of the file system's clock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stamp {
+    modified: Option<SystemTime>,
+    length: u64,
+}
+
+impl Stamp {
+    /// The stamp of the file that a path leads to, links followed; `None` if there is none.
+    pub fn of(path: &Path) -> Option<Stamp> {
+        let found = std::fs::metadata(path).ok()?;
+        Some(Stamp {
+            modified: found.modified().ok(),
+            length: found.len(),
+        })
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -45,7 +74,7 @@ impl Sources {
             cache: None,
             unsaved: Arc::default(),
             sealed: Arc::default(),
-            opened: Arc::default(),
+            asked: Arc::default(),
         })
     }
 
@@ -61,7 +90,7 @@ impl Sources {
             cache: None,
             unsaved: Arc::default(),
             sealed: Arc::default(),
-            opened: Arc::default(),
+            asked: Arc::default(),
         }
     }
 }
@@ -127,20 +156,42 @@ impl Sources {
     }
 
     /// The canonical paths of the files opened so far.
-    pub(crate) fn opened(&self) -> Vec<PathBuf> {
-        self.list().iter().cloned().collect()
+    pub(crate) fn opened(&self) -> BTreeSet<PathBuf> {
+        let asked = self.list();
+        asked
+            .values()
+            .filter_map(|file| file.found.clone())
+            .collect()
     }
 
-    fn list(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
-        // every path in the set is complete, even after a panic in another thread
-        self.opened.lock().unwrap_or_else(PoisonError::into_inner)
+    /// The files asked for so far, also those that are not there, with their stamps before they were first opened. Another stamp
+    /// of one of them may change the model.
+    pub(crate) fn asked(&self) -> BTreeMap<PathBuf, Option<Stamp>> {
+        let asked = self.list();
+        asked
+            .iter()
+            .map(|(path, file)| (path.clone(), file.stamp))
+            .collect()
     }
 
-    /// The canonical path of a file of a folder. Notes the file as opened.
+    fn list(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Asked>> {
+        // every entry of the list is complete, even after a panic in another thread
+        self.asked.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The canonical path of a file of a folder. Notes the file as asked for.
     fn place(&self, folder: &Path, path: &str) -> Result<PathBuf, HostError> {
-        let real = inside(folder, path)?;
-        self.list().insert(real.clone());
-        Ok(real)
+        let relative = inner(path)?;
+        let sought = folder.join(relative);
+        // taken before the file is read, so that no later change is missed
+        let stamp = Stamp::of(&sought);
+        let found = inside(folder, path);
+        let mut list = self.list();
+        let asked = list.entry(sought).or_insert(Asked { stamp, found: None });
+        if let Ok(real) = &found {
+            asked.found = Some(real.clone());
+        }
+        found
     }
 
     /// Opens a data file of any kind, under the rules of [`Host::read_text`].
@@ -159,18 +210,23 @@ impl Sources {
     }
 }
 
-/// The canonical path of a file of a folder. Refuses anything but a file.
-fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
+/// A path that leads below its folder.
+fn inner(path: &str) -> Result<&Path, HostError> {
     let relative = Path::new(path);
     let stays = relative
         .components()
         .all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-    if !stays {
-        return Err(HostError::Outside(path.into()));
+    match stays {
+        true => Ok(relative),
+        false => Err(HostError::Outside(path.into())),
     }
+}
+
+/// The canonical path of a file of a folder. Refuses anything but a file.
+fn inside(folder: &Path, path: &str) -> Result<PathBuf, HostError> {
     // a link may point outside the folder, so its target counts
     let real = folder
-        .join(relative)
+        .join(inner(path)?)
         .canonicalize()
         .map_err(|error| refused(path, &error))?;
     if !real.starts_with(folder) {
@@ -254,5 +310,17 @@ mod tests {
             sources.read_text("no.eng"),
             Err(HostError::NotFound("no.eng".into()))
         );
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .canonicalize()
+            .expect("a folder");
+        let asked = sources.asked();
+        let names: Vec<_> = asked.keys().map(|path| path.strip_prefix(&root)).collect();
+        assert_eq!(
+            names,
+            [Ok(Path::new("Cargo.toml")), Ok(Path::new("no.eng"))]
+        );
+        let stamps: Vec<bool> = asked.values().map(Option::is_some).collect();
+        assert_eq!(stamps, [true, false]);
+        assert_eq!(sources.opened(), BTreeSet::from([root.join("Cargo.toml")]));
     }
 }

@@ -19,7 +19,14 @@ fn help_names_the_commands_and_the_exit_codes() {
     let output = eng(&["--help"]);
     assert_eq!(output.status.code(), Some(0));
     let help = text(&output.stdout);
-    for part in ["Usage: eng", "run ", "check ", "explain ", "Exit codes: 0"] {
+    for part in [
+        "Usage: eng",
+        "run ",
+        "watch ",
+        "check ",
+        "explain ",
+        "Exit codes: 0",
+    ] {
         assert!(help.contains(part), "{part} in\n{help}");
     }
     let run = text(&eng(&["run", "--help"]).stdout);

@@ -2,6 +2,7 @@
 
 mod choose;
 mod gradients;
+mod identity;
 mod motion;
 mod run;
 

@@ -4,7 +4,6 @@ use super::gradients::GradientColumns;
 use super::motion::Motion;
 use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
-use crate::model::hexadecimal;
 use crate::repetition::Repetition;
 use crate::results::{
     Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, STOPPED, Table,
@@ -311,45 +310,6 @@ impl Analysis {
             })?;
         }
         Ok(())
-    }
-
-    /// The identity of this run for a recording; empty without a folder.
-    fn identity(&self) -> String {
-        match self.recording.folder {
-            None => String::new(),
-            Some(_) => self.fingerprint(),
-        }
-    }
-
-    /// SHA-256 of everything that decides its numbers, as hexadecimal digits: program's version, texts, plan, bound
-    /// model, reduced bodies, kept channels.
-    pub(crate) fn fingerprint(&self) -> String {
-        use sha2::Digest;
-        use std::fmt::Write;
-        let mut text = format!(
-            "{} {} {:?} {:?} {}",
-            env!("CARGO_PKG_VERSION"),
-            self.program.source_hash(),
-            self.plan,
-            self.recording.channels,
-            self.model.system_hash(),
-        );
-        for (path, word, _) in &self.chosen {
-            let _ = write!(text, " {path} {word}");
-        }
-        let values = match self.bound() {
-            Ok(bound) => [bound.parameters, bound.slots].concat(),
-            // parameters that the model refuses
-            Err(_) => self.overrides.iter().flatten().copied().collect(),
-        };
-        for value in values {
-            // writing to a text cannot fail
-            let _ = write!(text, " {:x}", value.to_bits());
-        }
-        for reduction in self.model.reductions() {
-            let _ = write!(text, " {}", reduction.key());
-        }
-        hexadecimal(&sha2::Sha256::digest(text.as_bytes()))
     }
 }
 

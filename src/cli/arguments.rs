@@ -30,7 +30,13 @@ pub(super) enum Command {
     ///
     /// Exit codes: 0 all was done; 1 the model is wrong or an analysis failed because of it; 2 wrong usage,
     /// or the operating system refused.
-    Run(RunArguments),
+    Run(RunCommand),
+    /// Check a model at each save, and run again the analyses that the change touches
+    ///
+    /// Begins as `eng run`, then waits until the model's file changes, or a file that it uses: another text, a table, a mesh. A
+    /// change is checked. Analyses whose numbers it cannot change are kept, and the others are run again. A save during a run stops
+    /// the run. Messages do not end the command; Ctrl-C ends it. Each round ends with a line of its own, also with `--quiet`.
+    Watch(WatchArguments),
     /// Check a model without running it
     ///
     /// Reports all mistakes and doubts at once: names, units, connections, degrees of freedom.
@@ -314,7 +320,26 @@ pub(super) struct ExplainArguments {
 }
 
 /// The options of `eng run` that points of a dataset do not have.
-const WHOLE_RUNS: [&str; 5] = ["csv", "channels", "last", "resume", "timings"];
+const WHOLE_RUNS: [&str; 6] = ["csv", "channels", "gradients", "last", "resume", "timings"];
+
+/// The options of `eng watch` that a check does not have.
+const RUNS: [&str; 15] = [
+    "analysis",
+    "set",
+    "tolerance",
+    "step",
+    "patient",
+    "out",
+    "csv",
+    "threads",
+    "channels",
+    "gradients",
+    "last",
+    "resume",
+    "no_plots",
+    "timings",
+    "quiet",
+];
 
 /// Settings of the command line in place of those of the text.
 #[derive(Clone, Debug, Args)]
@@ -406,15 +431,16 @@ pub(super) struct CollectArguments {
 }
 
 #[derive(Debug, Args)]
-pub(super) struct RunArguments {
-    /// The model's file
-    #[arg(value_name = "MODEL")]
-    pub model: PathBuf,
-    /// Run only this analysis; may be given several times [default: all]
-    #[arg(long, value_name = "NAME")]
-    pub analysis: Vec<String>,
+pub(super) struct RunCommand {
     #[command(flatten)]
-    pub settings: Settings,
+    pub run: RunArguments,
+    #[command(flatten)]
+    pub study: StudyArguments,
+}
+
+// The points of a study that a run computes, in place of whole analyses. (A doc comment would be the help of the command.)
+#[derive(Debug, Args)]
+pub(super) struct StudyArguments {
     /// Points from this table, a row each: a column for each parameter, whose name is its path and unit, such as
     /// `main[5].radial_clearance [um]`. The file is CSV or Parquet
     #[arg(long, value_name = "FILE", conflicts_with_all = WHOLE_RUNS)]
@@ -426,6 +452,35 @@ pub(super) struct RunArguments {
     /// Run one of several equal slices of the points: `3/157`
     #[arg(long, value_name = "I/N", value_parser = slice, conflicts_with_all = WHOLE_RUNS, conflicts_with = "points")]
     pub slice: Option<(usize, usize)>,
+}
+
+impl StudyArguments {
+    /// Whether any of them is stated.
+    pub fn are_stated(&self) -> bool {
+        self.design.is_some() || self.points.is_some() || self.slice.is_some()
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct WatchArguments {
+    /// Check only, and run nothing
+    #[arg(long, conflicts_with_all = RUNS)]
+    pub check: bool,
+    #[command(flatten)]
+    pub run: RunArguments,
+}
+
+// Whole analyses and their output.
+#[derive(Debug, Args)]
+pub(super) struct RunArguments {
+    /// The model's file
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Run only this analysis; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    pub analysis: Vec<String>,
+    #[command(flatten)]
+    pub settings: Settings,
     /// Write into this folder [default: results/MODEL, without .eng, in the current folder]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -441,7 +496,7 @@ pub(super) struct RunArguments {
     pub channels: Vec<String>,
     /// Differentiate the channels by these parameters: `main[*].radial_clearance`; may be given several times
     /// [default: those of the text]
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["design", "points", "slice"])]
+    #[arg(long, value_name = "PATH")]
     pub gradients: Vec<String>,
     /// Keep only the last part of each analysis: `"2 rev"`, `720deg`, `50ms` [default: the whole]
     #[arg(long, value_name = "PART")]

@@ -6,6 +6,7 @@ use super::open::open;
 use super::terminal::Terminal;
 use super::{MODEL_WRONG, Refusal, Stop};
 use crate::assembled::{Positions, json_with_positions};
+use crate::program::Checked;
 use crate::render;
 use crate::tables::Table;
 use crate::timings;
@@ -19,6 +20,16 @@ pub(super) fn check(arguments: &CheckArguments, console: &mut Terminal<'_>) -> R
     }
     let checked = open(&arguments.model)
         .map_err(|error| refuse(&error, &SourceMap::new(), format, console))?;
+    tell(&checked, arguments, console)
+}
+
+/// Prints the findings about a model that was opened.
+pub(super) fn tell(
+    checked: &Checked,
+    arguments: &CheckArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    let format = arguments.format;
     let report = checked.report();
     let sources = report.texts();
     let mut messages = report.diagnostics().clone();

@@ -20,6 +20,12 @@ pub(super) fn results_folder(model: &Path) -> PathBuf {
     }
 }
 
+/// The folder of the results of a run.
+pub(super) fn folder_of(arguments: &RunArguments) -> PathBuf {
+    let stated = arguments.out.clone();
+    stated.unwrap_or_else(|| results_folder(&arguments.model))
+}
+
 /// Writes figures: names (without extension) and SVG texts.
 pub(super) fn draw(
     figures: Vec<(String, String)>,

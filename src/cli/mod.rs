@@ -24,6 +24,7 @@ mod run;
 mod shell;
 mod study;
 mod terminal;
+mod watch;
 
 use crate::codes;
 use crate::error::Error;
@@ -101,6 +102,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     };
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, console),
+        Command::Watch(watch) => watch::watch(watch, console),
         Command::Check(check) => check::check(check, console),
         Command::Build(build) => build::build(build, console),
         Command::Plan(plan) => study::plan(plan, console),

@@ -17,13 +17,20 @@ pub(super) fn open(model: &Path) -> Result<Checked, Refusal> {
 
 /// A model without errors; the messages of its check are shown.
 pub(super) fn checked(model: &Path, console: &mut Terminal<'_>) -> Result<Program, Stop> {
-    let checked = match open(model) {
-        Ok(checked) => checked,
-        Err(refusal) => return Err(refusal.show(&SourceMap::new(), console)),
-    };
+    match open(model) {
+        Ok(checked) => without_errors(&checked, console).cloned(),
+        Err(refusal) => Err(refusal.show(&SourceMap::new(), console)),
+    }
+}
+
+/// The program of a check without errors; the messages are shown.
+pub(super) fn without_errors<'c>(
+    checked: &'c Checked,
+    console: &mut Terminal<'_>,
+) -> Result<&'c Program, Stop> {
     let report = checked.report();
     console
         .errors
         .messages(report.diagnostics(), report.texts())?;
-    checked.program().cloned().ok_or(Stop::Code(MODEL_WRONG))
+    checked.program().ok_or(Stop::Code(MODEL_WRONG))
 }

@@ -13,6 +13,7 @@ use crate::run::RunOutcome;
 use crate::tables::{SummaryTable, modes, response, state};
 use crate::timings;
 use eng_grammar::{Diagnostic, Diagnostics};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The most analyses that a line about a repeated message names. A choice: they fit in a few lines.
@@ -20,6 +21,15 @@ const MOST_NAMES: usize = 20;
 
 /// The end of an analysis.
 pub(super) type Ended = Result<RunOutcome, Failed<RunOutcome>>;
+
+/// The output that earlier rounds of `eng watch` have made from results that still hold. It is not made again.
+#[derive(Debug, Default)]
+pub(super) struct Made {
+    /// Names of the analyses.
+    pub analyses: BTreeSet<String>,
+    /// The reports, without places in the text.
+    pub reports: Vec<String>,
+}
 
 /// The ends of the analyses, in the order of the text and not in the order of their ends.
 pub(super) struct Outcomes<'a> {
@@ -30,6 +40,8 @@ pub(super) struct Outcomes<'a> {
     pub completed: Vec<RunOutcome>,
     /// Names of the analyses that failed.
     pub failures: Vec<String>,
+    /// The output of earlier rounds.
+    pub made: Made,
     /// Messages so far, with the analyses that they concern. Each is printed once, although analyses of one model
     /// often fail in the same way.
     messages: Vec<(Diagnostic, Vec<String>)>,
@@ -47,8 +59,14 @@ impl<'a> Outcomes<'a> {
             folder,
             completed: Vec::new(),
             failures: Vec::new(),
+            made: Made::default(),
             messages: Vec::new(),
         }
+    }
+
+    /// Whether an analysis has ended in this round.
+    pub fn is_new(&self, analysis: &str) -> bool {
+        !self.made.analyses.contains(analysis)
     }
 
     /// Adds an analysis that has ended, and prints its report.

@@ -1,38 +1,44 @@
 //! The reports of a text after its runs.
 
-use super::arguments::RunArguments;
 use super::files::{draw, or_stop};
+use super::outcomes::Outcomes;
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
 use crate::explained::stated_at;
 use crate::motion::SUFFIX;
+use crate::places::without_places;
 use crate::post::{self, EvaluatedReport, Outcome, Run};
-use crate::program::Program;
 use crate::report::mixed;
 use crate::results::{Gradient, Results, file_stem, read_gradients};
-use crate::run::RunOutcome;
+use eng_system::report::Report;
 use std::path::Path;
+
+/// The reports that are due. A report without an analysis of this call has no new contents; a report that names no
+/// analysis is printed every time. After earlier rounds a report is due if it or one of its analyses is new.
+fn due<'p>(outcomes: &Outcomes<'p>) -> Vec<&'p Report> {
+    let completed = &outcomes.completed;
+    let ran = |name: &&str| completed.iter().any(|o| o.results.analysis() == *name);
+    let due = |report: &&Report| {
+        let named: Vec<&str> = report.entries.iter().flat_map(|e| e.analyses()).collect();
+        let new = |name: &&str| ran(name) && outcomes.is_new(name);
+        let again = || named.iter().any(new) || !outcomes.made.reports.contains(&identity(report));
+        (named.is_empty() || named.iter().any(ran)) && again()
+    };
+    outcomes.program.reports().iter().filter(due).collect()
+}
+
+/// Equal for equal reports at any place of a text.
+pub(super) fn identity(report: &Report) -> String {
+    without_places(&format!("{report:?}"))
+}
 
 /// Prints the reports about the analyses of this call, together with earlier results in the folder, and
 /// writes their figures. Returns true if all conditions of the reports hold and the results give all entries.
-pub(super) fn reports(
-    outcomes: &[RunOutcome],
-    arguments: &RunArguments,
-    program: &Program,
-    folder: &Path,
-    console: &mut Terminal<'_>,
-) -> Result<bool, Stop> {
+pub(super) fn reports(ended: &Outcomes<'_>, console: &mut Terminal<'_>) -> Result<bool, Stop> {
+    let (arguments, program, folder) = (ended.arguments, ended.program, ended.folder);
+    let outcomes = &ended.completed;
     let ran = |name: &str| outcomes.iter().any(|o| o.results.analysis() == name);
-    // a report without an analysis of this call has no new contents; a report that names no analysis is
-    // printed every time
-    let reports: Vec<_> = program
-        .reports()
-        .iter()
-        .filter(|report| {
-            let named: Vec<&str> = report.entries.iter().flat_map(|e| e.analyses()).collect();
-            named.is_empty() || named.into_iter().any(ran)
-        })
-        .collect();
+    let reports = due(ended);
     if reports.is_empty() {
         return Ok(true);
     }

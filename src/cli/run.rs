@@ -1,7 +1,7 @@
 //! `eng run`.
 
-use super::arguments::{RunArguments, Setting, Settings};
-use super::files::{draw_all, or_stop, results_folder, wrote};
+use super::arguments::{RunArguments, RunCommand, Setting, Settings};
+use super::files::{draw_all, folder_of, or_stop, wrote};
 use super::open::checked;
 use super::outcomes::{Ended, Outcomes};
 use super::outputs::{Output, apart};
@@ -27,20 +27,49 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
+pub(super) fn run(command: &RunCommand, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    let arguments = &command.run;
     or_stop(set_once(&arguments.settings.set), console)?;
     let mut clock = Clock::new();
     let program = checked(&arguments.model, console)?;
     let check = clock.since();
-    if arguments.design.is_some() || arguments.points.is_some() || arguments.slice.is_some() {
-        return study::run(arguments, &program, console);
+    if command.study.are_stated() {
+        return study::run(command, &program, console);
     }
-    let names = chosen(&arguments.model, &arguments.analysis, &program, console)?;
-    let folder = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| results_folder(&arguments.model));
-    let recording = or_stop(recording(arguments, &folder), console)?;
+    let folder = folder_of(arguments);
+    let due = due(arguments, &program, &folder, arguments.resume, console)?;
+    let code = clock.since();
+    let all = due.len();
+    let mut outcomes = Outcomes::new(arguments, &program, &folder);
+    run_all(due, &mut outcomes, &mut || false, console)?;
+    let holds = conclude(&outcomes, all, console)?;
+    if arguments.timings && !arguments.quiet {
+        let phases = [
+            ("check", check),
+            ("reductions and machine code", code),
+            ("tables, pictures and reports", clock.since()),
+        ];
+        writeln!(console.output, "{}", timings::line(&phases))?;
+    }
+    if !outcomes.failures.is_empty() || !holds {
+        return Err(Stop::Code(MODEL_WRONG));
+    }
+    Ok(())
+}
+
+/// The name of an analysis, and the analysis with the settings of the command line.
+pub(super) type Due<'p> = (&'p str, Result<Analysis, Refusal>);
+
+/// The requested analyses with the settings of the command line. Refuses outputs that cannot be written.
+pub(super) fn due<'p>(
+    arguments: &RunArguments,
+    program: &'p Program,
+    folder: &Path,
+    resume: bool,
+    console: &mut Terminal<'_>,
+) -> Result<Vec<Due<'p>>, Stop> {
+    let names = chosen(&arguments.model, &arguments.analysis, program, console)?;
+    let recording = or_stop(recording(arguments, folder, resume), console)?;
     // refuse them before any computation
     for name in &names {
         let file = |ending: &str| folder.join(format!("{}.{ending}", stem_of(name, false)));
@@ -53,60 +82,55 @@ pub(super) fn run(arguments: &RunArguments, console: &mut Terminal<'_>) -> Resul
     }
     let settings = &arguments.settings;
     let steps = or_stop(steps(settings), console)?;
-    let prepared: Vec<Result<Analysis, Refusal>> = program
-        .analyses_of(&names)
-        .into_iter()
-        .map(|made| {
-            let mut analysis = prepare(made?, settings, steps)?.record(recording.clone());
-            if !arguments.gradients.is_empty() {
-                let usage = |e: Error| Refusal::Usage(format!("--gradients: {e}"));
-                analysis = analysis.gradients(&arguments.gradients).map_err(usage)?;
-            }
-            Ok(match arguments.timings {
-                true => analysis.timed(),
-                false => analysis,
-            })
+    let prepared = program.analyses_of(&names).into_iter();
+    let prepared = prepared.map(|made| -> Result<Analysis, Refusal> {
+        let mut analysis = prepare(made?, settings, steps)?.record(recording.clone());
+        if !arguments.gradients.is_empty() {
+            let usage = |e: Error| Refusal::Usage(format!("--gradients: {e}"));
+            analysis = analysis.gradients(&arguments.gradients).map_err(usage)?;
+        }
+        Ok(match arguments.timings {
+            true => analysis.timed(),
+            false => analysis,
         })
-        .collect();
-    let code = clock.since();
-    let mut outcomes = Outcomes::new(arguments, &program, &folder);
-    run_all(&names, prepared, &mut outcomes, console)?;
-    for line in outcomes.repeated(names.len()) {
+    });
+    Ok(names.iter().copied().zip(prepared).collect())
+}
+
+/// Makes the tables over the points of sweeps, the figures of several analyses and the reports after a round of `all`
+/// analyses, except for those that an earlier round has made. Returns true if all conditions of the reports hold and the results
+/// give all entries.
+pub(super) fn conclude(
+    outcomes: &Outcomes<'_>,
+    all: usize,
+    console: &mut Terminal<'_>,
+) -> Result<bool, Stop> {
+    let (arguments, folder) = (outcomes.arguments, outcomes.folder);
+    for line in outcomes.repeated(all) {
         writeln!(console.errors, "{line}")?;
     }
-    let Outcomes {
-        completed,
-        failures,
-        ..
-    } = outcomes;
-    for family in sweep::families(&completed) {
-        over_points(&family, &failures, arguments, &folder, console)?;
+    for family in sweep::families(&outcomes.completed) {
+        if family.iter().any(|o| outcomes.is_new(o.results.analysis())) {
+            over_points(&family, &outcomes.failures, arguments, folder, console)?;
+        }
     }
     if !arguments.no_plots {
-        let compared: Vec<Run<'_>> = completed
+        let compared: Vec<Run<'_>> = outcomes
+            .completed
             .iter()
             .filter(|o| o.point.is_empty() && o.results.are_samples())
             .map(|o| Run::new(&o.results, &o.machine))
             .collect();
-        // without the failed analyses these figures differ from those of all analyses, so their names mark
-        // them as failed
-        let failed = !failures.is_empty();
-        let wanted = figures::comparisons(&compared);
-        draw_all(&wanted, &compared, failed, &folder, arguments, console)?;
+        let new = |run: &Run<'_>| outcomes.is_new(run.results.analysis());
+        if compared.iter().any(new) {
+            // without the failed analyses these figures differ from those of all analyses, so their names mark
+            // them as failed
+            let failed = !outcomes.failures.is_empty();
+            let wanted = figures::comparisons(&compared);
+            draw_all(&wanted, &compared, failed, folder, arguments, console)?;
+        }
     }
-    let holds = post::reports(&completed, arguments, &program, &folder, console)?;
-    if arguments.timings && !arguments.quiet {
-        let phases = [
-            ("check", check),
-            ("reductions and machine code", code),
-            ("tables, pictures and reports", clock.since()),
-        ];
-        writeln!(console.output, "{}", timings::line(&phases))?;
-    }
-    if !failures.is_empty() || !holds {
-        return Err(Stop::Code(MODEL_WRONG));
-    }
-    Ok(())
+    post::reports(outcomes, console)
 }
 
 /// An analysis with the settings of the command line.
@@ -137,17 +161,18 @@ pub(super) fn prepare(
 }
 
 /// Runs the analyses side by side and reports them in the order of the text. An analysis that has ended waits
-/// for those before it.
-fn run_all(
-    names: &[&str],
-    prepared: Vec<Result<Analysis, Refusal>>,
+/// for those before it. `ends` is asked while they run: if it returns true, the runs are stopped. Returns whether it did.
+pub(super) fn run_all(
+    due: Vec<Due<'_>>,
     outcomes: &mut Outcomes<'_>,
+    ends: &mut dyn FnMut() -> bool,
     console: &mut Terminal<'_>,
-) -> Result<(), Stop> {
+) -> Result<bool, Stop> {
     let (arguments, texts) = (outcomes.arguments, outcomes.program.texts());
+    let names: Vec<&str> = due.iter().map(|(name, _)| *name).collect();
     let mut bars = Bars::new(names.len(), arguments.quiet || !console.live);
     let mut queue = Queue {
-        names,
+        names: &names,
         outcomes,
         ended: Vec::new(),
         next: 0,
@@ -155,7 +180,7 @@ fn run_all(
     };
     // indices of the prepared analyses among the names
     let (mut ready, mut places) = (Vec::new(), Vec::new());
-    for (place, prepared) in prepared.into_iter().enumerate() {
+    for (place, (_, prepared)) in due.into_iter().enumerate() {
         match prepared {
             Ok(analysis) => {
                 ready.push(analysis);
@@ -171,6 +196,7 @@ fn run_all(
         return Err(stop);
     }
     let threads = threads(arguments);
+    let mut stopped = false;
     run_many(
         &ready,
         arguments.settings.patient,
@@ -193,10 +219,18 @@ fn run_all(
                     bars.suspend(|| queue.go_on(console));
                 }
             }
-            ControlFlow::Continue(())
+            stopped = ends();
+            match stopped {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
         },
     );
-    queue.stop.map_or(Ok(()), Err)
+    if stopped {
+        (0..names.len()).for_each(|place| bars.end(place));
+        queue.go_over_all(console);
+    }
+    queue.stop.map_or(Ok(stopped), Err)
 }
 
 /// Analyses that have ended and wait for their turn in the report.
@@ -220,6 +254,14 @@ impl Queue<'_, '_> {
             };
             self.next += 1;
             self.stop = done.err();
+        }
+    }
+
+    /// Reports all analyses that have ended, also after one that has not.
+    fn go_over_all(&mut self, console: &mut Terminal<'_>) {
+        while self.next < self.ended.len() {
+            self.go_on(console);
+            self.next += 1;
         }
     }
 }
@@ -283,7 +325,11 @@ pub(super) fn set_once(settings: &[Setting]) -> Result<(), String> {
 }
 
 /// The kept part of the results, and its folder.
-fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, String> {
+pub(super) fn recording(
+    arguments: &RunArguments,
+    folder: &Path,
+    resume: bool,
+) -> Result<Recording, String> {
     let last = match &arguments.last {
         None => None,
         Some(text) => {
@@ -294,7 +340,7 @@ fn recording(arguments: &RunArguments, folder: &Path) -> Result<Recording, Strin
     };
     Ok(Recording {
         folder: Some(folder.to_owned()),
-        resume: arguments.resume,
+        resume,
         channels: Selection::new(arguments.channels.iter().map(String::as_str)),
         last,
     })

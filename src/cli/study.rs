@@ -1,9 +1,10 @@
 //! Studies: `eng run --slice`, `eng plan`, `eng status`, `eng collect`.
 
 use super::arguments::{
-    CollectArguments, PlanArguments, Points, RunArguments, Scheduler, Settings, StatusArguments,
+    CollectArguments, PlanArguments, Points, RunCommand, Scheduler, Settings, StatusArguments,
+    StudyArguments,
 };
-use super::files::{or_stop, results_folder};
+use super::files::{folder_of, or_stop, results_folder};
 use super::open::checked;
 use super::progress::Bars;
 use super::run::{prepare, set_once, steps, threads};
@@ -50,22 +51,20 @@ fn only(program: &Program, stated: &[String]) -> Result<String, Refusal> {
 
 /// `eng run` of points.
 pub(super) fn run(
-    arguments: &RunArguments,
+    command: &RunCommand,
     program: &Program,
     console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
+    let (arguments, stated) = (&command.run, &command.study);
     let refused =
         |refusal: Refusal, console: &mut Terminal<'_>| refusal.show(program.texts(), console);
     let steps = or_stop(steps(&arguments.settings), console)?;
     let set = |analysis: Analysis| prepare(analysis, &arguments.settings, steps);
     let made = only(program, &arguments.analysis)
-        .and_then(|name| Study::new(program, &name, design(arguments.design.as_ref())?, &set));
+        .and_then(|name| Study::new(program, &name, design(stated.design.as_ref())?, &set));
     let study = made.map_err(|refusal| refused(refusal, console))?;
-    let folder = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| results_folder(&arguments.model));
-    let parts = range(&study, arguments).and_then(|range| {
+    let folder = folder_of(arguments);
+    let parts = range(&study, stated).and_then(|range| {
         let dataset = study.dataset(&folder)?;
         let parts = match range {
             Some(range) => vec![range],
@@ -75,7 +74,7 @@ pub(super) fn run(
     });
     let (dataset, parts) = parts.map_err(|refusal| refused(refusal, console))?;
     let options = SliceOptions {
-        again: arguments.points == Some(Points::Failed),
+        again: stated.points == Some(Points::Failed),
         patient: arguments.settings.patient,
         threads: threads(arguments),
     };
@@ -113,9 +112,9 @@ pub(super) fn run(
 }
 
 /// First and last point of the part that a command names; `None` for the parts with failures.
-fn range(study: &Study, arguments: &RunArguments) -> Result<Option<(usize, usize)>, Refusal> {
+fn range(study: &Study, stated: &StudyArguments) -> Result<Option<(usize, usize)>, Refusal> {
     let all = study.points();
-    match (arguments.points, arguments.slice) {
+    match (stated.points, stated.slice) {
         (Some(Points::Failed), _) => Ok(None),
         (Some(Points::Range(from, to)), _) => Ok(Some(study.part(from, to)?)),
         (None, Some((_, count))) if count > all => Err(Refusal::Usage(format!(

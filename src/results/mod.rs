@@ -35,7 +35,7 @@ pub(crate) use listing::finite_range;
 pub use listing::{Kind, Listed, listed};
 pub(crate) use points::{POINTS, PointRow, PointTable};
 pub use recording::Recording;
-pub(crate) use recording::{failed_twin, interrupted, stem_of};
+pub(crate) use recording::{discard, failed_twin, interrupted, stem_of};
 pub use resume_point::{KeptWarning, ResumePoint};
 pub(crate) use row_log::RowLog;
 pub(crate) use selection::matches;

@@ -2,7 +2,7 @@
 
 use super::file::has_ending;
 use super::table::{FAILED_BECAUSE, STATE};
-use super::{Last, Results, Selection, file_stem};
+use super::{Last, Results, ResultsError, Selection, file_stem, remove_if_there};
 use std::path::{Path, PathBuf};
 
 /// The kept part of an analysis, and its place. Without a folder the samples stay in memory.
@@ -60,6 +60,14 @@ impl Files {
 /// Whether a run of an analysis was interrupted or still continues. Its samples are then in the folder.
 pub(crate) fn interrupted(folder: &Path, analysis: &str) -> bool {
     Files::new(folder, analysis).partial.exists()
+}
+
+/// Removes the samples and the state of a run that was stopped and will not be continued.
+pub(crate) fn discard(folder: &Path, analysis: &str) -> Result<(), ResultsError> {
+    let files = Files::new(folder, analysis);
+    // in this order, as at the end of a run: a checkpoint without samples would be refused
+    remove_if_there(&files.checkpoint)?;
+    remove_if_there(&files.partial)
 }
 
 /// Beginning of the file names of an analysis or of a picture of it.
