@@ -54,7 +54,7 @@ eng_grammar::codes! {
         "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N)",
         "table push(t: Time) -> Force = points([0, 0.1] s, [0, 1] N, extrapolation: hold)";
     CYCLE_STANDS = "E0714", "the cycle angle does not advance",
-        "The duration is an angle, but the crank is at rest or oscillates. Give a time, or state a start velocity of the crank.",
+        "The duration is an angle, but the crank is at rest or oscillates. Give a time, or state a start velocity of the crank. `eng check` warns of a cycle whose angle the joints hold, such as that of a block: W0765.",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)",
         "analysis run = transient(Engine(), duration: 100 ms, sample: 0.1 ms)";
     CHECKPOINT = "E0715", "a checkpoint cannot be used",
@@ -184,8 +184,8 @@ eng_grammar::codes! {
         "A joint puts a point on a line, far from the other marker, and the point does not move along the line: the rod and the piston belong to different cylinders. The limit is twice the smaller radius of gyration of the two bodies, and for a piston under gas also a fifth of the bore. Or a slide whose position only its guide decides begins at the model's origin, 10 mm or more from the other marker: state its position. If this is intended, write `accept apart` in the element.",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[5 - i].pin)",
         "joint wrist[i in 1..4] = PointOnLine(rod[i].small, piston[i].pin)";
-    SWAPPED = "W0756", "a shell turns much faster than its pin",
-        "At the start the shell turns at more than twice the speed of the pin. The film's frame, its angles and its tables are those of the shell: pin and shell are probably swapped. If this is intended, as for a rotating bush, write `accept swapped` in the journal.",
+    SWAPPED = "W0756", "the markers of an element are in each other's places",
+        "At the start the shell turns at more than twice the speed of the pin. The film's frame, its angles and its tables are those of the shell: pin and shell are probably swapped. Or a force between a part in its guide and a shaft in its bearing, such as that of a tappet on its cam, loads the guide and not the part. If this is intended, as for a rotating bush, write `accept swapped` in the element.",
         "journal main = Short(pin: block.main, shell: crank.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)",
         "journal main = Short(pin: crank.main, shell: block.main, diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 12 mPa*s)";
     ASKEW = "W0766", "the axes of an angle or a film are not parallel",
@@ -204,8 +204,8 @@ eng_grammar::codes! {
         "Gas, films and stroke change much within such a step, and fixed steps have no error control. Remove `step`, or state a shorter one. If this is intended, write `accept step` in the model.",
         "analysis run = transient(Engine(), duration: 4 rev, step: 1 ms)",
         "analysis run = transient(Engine(), duration: 4 rev)";
-    SINKS = "W0764", "a spring is too soft for the weight that it carries",
-        "With the stiffness at the start, a body sinks under its weight by more than half of the model's length. A stiffness in N/mm was probably typed as N/m. Bodies that an element with states holds, and bodies that turn as they sink, are not checked. If this is intended, write `accept sag` in the element.",
+    SINKS = "W0764", "a spring does not carry the weight on it",
+        "With the stiffness at the start, a body sinks under its weight by more than half of the model's length. A stiffness in N/mm was probably typed as N/m. Or the springs of a body push it along gravity before any motion, with 0.4 to 3 times the weight that they carry: a preload or gravity has probably the wrong sign. Bodies that an element with states holds, and bodies that turn as they sink, are not checked. Gas holds its piston, and not the engine on its mounts. If this is intended, write `accept sag` in the element.",
         "force strut = LinearSpring(car.seat, wheel.hub, stiffness: 22 N/m, free_length: 460 mm)",
         "force strut = LinearSpring(car.seat, wheel.hub, stiffness: 22 kN/m, free_length: 460 mm)";
     SAMPLING = "W0763", "samples are far apart for the speed of the cycle, or the run is short",
@@ -213,7 +213,7 @@ eng_grammar::codes! {
         "analysis run = transient(Engine(), duration: 4 rev, sample: 100 deg)",
         "analysis run = transient(Engine(), duration: 4 rev, sample: 1 deg)";
     CYCLE = "W0765", "the cycle oscillates, stands still, or runs backwards under a gas trace",
-        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle oscillates, as that of a rod does, or does not change, as that of a block on its mounts, a cycle, a duration and samples in revolutions never end. The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
+        "A gas trace is a function of a cycle angle that increases. If the angle decreases at the start, gas is compressed after it has burnt: it brakes the engine instead of driving it. If the angle oscillates, as that of a rod does, or does not change, as that of a block on its mounts, a cycle, a duration and samples in revolutions never end: a run of such a duration is refused (E0714). The cycle's angle is that of the crank from the ground, and it increases at the speed that the start and the drive state. If this is intended, write `accept cycle` in the model.",
         "cycle angle = rotation(ground, crank.flange) { period = 720 deg }",
         "cycle angle = rotation(crank.flange, ground) { period = 720 deg }";
     CYLINDER = "W0759", "a cylinder's gas does not fit the motion of its piston",

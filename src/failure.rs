@@ -163,7 +163,7 @@ pub(crate) fn diagnostic(error: &RuntimeError, system: &System) -> Diagnostic {
             let message = message.with_each(&system.cycle, |message, cycle| {
                 place(message, &cycle.origin, "this angle is counted")
             });
-            message.with_help("such a duration never passes: give it as a time, or start the crank turning")
+            message.with_help("such a duration never passes: give it as a time, or start the crank turning; `eng check` warns of an angle that the joints hold (W0765)")
         }
         R::NotRepeating { origin, why, .. } => not_repeating(d(codes::NOT_REPEATING), origin.as_deref(), why),
         R::NoEquilibrium { origin, carried, turning, films, .. } => {

@@ -272,7 +272,7 @@ pub(crate) const LINTS: [About; eng_system::lint::BUILT_IN.len()] = [
     ),
     (
         eng_system::lint::SWAPPED,
-        "the shell of a journal turns and its pin does not",
+        "the shell of a journal turns and its pin does not, or a force loads a guide and not its part",
     ),
     (
         eng_system::lint::ASKEW,
@@ -292,7 +292,7 @@ pub(crate) const LINTS: [About; eng_system::lint::BUILT_IN.len()] = [
     ),
     (
         eng_system::lint::SAG,
-        "a spring is too soft for the weight that it carries",
+        "a spring is too soft for the weight that it carries, or pushes along gravity",
     ),
     (
         eng_system::lint::TURNS,
@@ -318,6 +318,10 @@ pub(crate) const LINTS: [About; eng_system::lint::BUILT_IN.len()] = [
     (
         eng_system::lint::CYCLE,
         "the angle of the cycle oscillates, or falls while gas tables fire",
+    ),
+    (
+        eng_system::lint::UNLOADED,
+        "no element loads a marker of a static term of a flexible body",
     ),
 ];
 

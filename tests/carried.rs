@@ -194,3 +194,75 @@ fn feet_carry_the_engine() {
     close("both", (sags[0] + sags[1]) * 300e3, -weight, 1e-2);
     assert_ne!(sags[0], sags[1], "the feet are apart");
 }
+
+/// A brake between flywheel and ground, whose torque keeps its direction while the engine leans on its mount, leaves the balance.
+#[test]
+fn a_braked_carried_engine_begins_in_balance() {
+    let three_throws = "inline(throws: [0, 240, 120] deg), order: [1, 3, 2]";
+    let one_throw = "inline(throws: [0 deg]), order: [1]";
+    for (axis, layout, stiffness) in [
+        ("b.z", three_throws, "[30, 30, 30]"),
+        ("a.z", three_throws, "[30, 30, 30]"),
+        ("b.z", one_throw, "[30, 30, 30]"),
+        ("b.z", one_throw, "[3, 3, 3]"),
+    ] {
+        let law = format!(
+            "force Drag(a: Marker, b: Marker) {{
+                apply torque -(0.1 N*m*s/rad)*dot(a.angular_velocity - b.angular_velocity, {axis})*{axis} on a against b
+            }}
+            model Three {{
+            marker shaft = [0, 0, 300] mm
+            force brake = Drag(engine.flywheel.hub, shaft)"
+        );
+        let text = three(3000.0, FILMS, "drive_line: open")
+            .replace(three_throws, layout)
+            .replace(
+                "torsional_stiffness: [30, 30, 30]",
+                &format!("torsional_stiffness: {stiffness}"),
+            )
+            .replace("model Three {", &law);
+        let outcome = run(&text, "begin");
+        let found = begun(&outcome);
+        let effort = held(found);
+        println!(
+            "{axis} {layout} {stiffness}: {effort} N m, {} iterations",
+            found.iterations
+        );
+        // 0.1 N m s at 3000 rpm are 31.4 N m, and films brake a little
+        assert!(
+            (31.0..32.0).contains(&effort),
+            "{axis} {layout} {stiffness}: {effort}"
+        );
+        assert!(
+            found.iterations < 100,
+            "{axis} {layout} {stiffness}: {found:?}"
+        );
+    }
+}
+
+/// A carried engine is assembled at its place, whatever drives its flywheel: a drive between flywheel and ground states an angle alone.
+#[test]
+fn a_carried_engine_is_assembled_at_its_place() {
+    for drive_line in [
+        "drive_line: constant_speed",
+        "drive_line: dynamometer, coupling_stiffness: 500 N*m/rad, coupling_damping: 2 N*m*s/rad",
+        "drive_line: open",
+    ] {
+        let text = three(3000.0, FILMS, drive_line);
+        let positions = crate::support::program(&text)
+            .analysis("begin")
+            .expect("an analysis")
+            .positions()
+            .expect("positions");
+        let at = |path: &str| {
+            let found = positions.iter().find(|(_, name, _)| name == path);
+            found.unwrap_or_else(|| panic!("{path}")).2
+        };
+        let support = at("engine.block.support");
+        println!("{drive_line}: {support:?}");
+        assert!(
+            support.iter().all(|x| x.abs() < 1e-6),
+            "{drive_line}: {support:?}"
+        );
+    }
+}

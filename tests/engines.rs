@@ -211,6 +211,30 @@ fn a_single_idles_one_turn_and_no_order_that_does_not_fit_passes() {
         ),
         (
             four,
+            "[1, 2, 3, 4]",
+            "",
+            "These orders fit: [[1, 2, 4, 3], [1, 3, 4, 2]]; the longest interval of the first one is 180 deg",
+        ),
+        (
+            "inline(throws: [0, 240, 120] deg)",
+            "[1, 2, 3]",
+            "",
+            "These orders need no such turn: [[1, 3, 2]]; the longest interval of the first one is 240 deg",
+        ),
+        (
+            "inline(throws: [0, 120, 240, 240, 120, 0] deg)",
+            "[1, 2, 3, 4, 5, 6]",
+            "",
+            "[[1, 3, 2, 6, 4, 5], [1, 4, 2, 6, 3, 5], [1, 3, 5, 6, 4, 2], [1, 4, 5, 6, 3, 2]]; the longest interval of the first one is 120 deg",
+        ),
+        (
+            "inline(throws: [0, 0, 0] deg)",
+            "[1, 3, 2]",
+            "",
+            "three cylinders reach their dead centres together",
+        ),
+        (
+            four,
             "[1, 3, 4, 4]",
             "",
             "the firing order names each of the 4 cylinders once",

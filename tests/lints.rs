@@ -280,6 +280,120 @@ analysis swings = transient(Mounted(), duration: 10 ms)
     }
 }
 
+/// A block on two mounts whose preloads have some share of its weight: right, with one or both signs wrong, with gravity upwards,
+/// without preload, and far above the weight.
+#[test]
+fn a_preload_along_gravity_has_a_warning() {
+    for (index, ([front, rear], gravity, due)) in [
+        ([0.5, 0.5], -9.81, None),
+        ([0.3, 0.7], -9.81, None),
+        ([0.0, 0.0], -9.81, None),
+        // one mount alone cannot be told from a pair of springs against each other if the sum is not the weight
+        (
+            [-0.5, 0.5],
+            -9.81,
+            Some("in the other direction the springs of block would carry its weight of 785 N"),
+        ),
+        (
+            [-0.5, -0.5],
+            -9.81,
+            Some("push it along gravity with 785 N, and the weight that they carry is 785 N"),
+        ),
+        ([0.5, 0.5], 9.81, Some("push it along gravity with 785 N")),
+        // springs against each other
+        ([-4.0, 5.0], -9.81, None),
+        ([-20.0, -20.0], -9.81, None),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let text = format!(
+            "use std.mounts.ElastomerMount
+model Mounted {{
+    gravity = [0, 0, {gravity}] m/s^2
+    marker foot[k in 1..2] = [[-200, 200][k], 0, 0] mm
+    body block {{ mass = 80 kg; inertia = [4, 4, 4] kg*m^2; marker eye[k in 1..2] = [[-200, 200][k], 0, 0] mm }}
+    force front = ElastomerMount(block.eye[1], foot[1], stiffness: [1, 1, 1]*200 N/mm, fast_stiffness: [1, 1, 1]*90 N/mm,
+        relaxation: 2 ms, torsional_stiffness: [1, 1, 1]*8 kN*m/rad, preload: [0, 0, {front}]*(80 kg*9.81 m/s^2))
+    force rear = ElastomerMount(block.eye[2], foot[2], stiffness: [1, 1, 1]*200 N/mm, fast_stiffness: [1, 1, 1]*90 N/mm,
+        relaxation: 2 ms, torsional_stiffness: [1, 1, 1]*8 kN*m/rad, preload: [0, 0, {rear}]*(80 kg*9.81 m/s^2))
+}}
+analysis swings = transient(Mounted(), duration: 10 ms)
+"
+        );
+        let (said, _) = Text::new(&format!("preloads-{index}"), &text).check();
+        assert_eq!(said.contains("W0764"), due.is_some(), "{index}: {said}");
+        assert!(due.is_none_or(|due| said.contains(due)), "{index}: {said}");
+    }
+}
+
+/// A static term at a marker that no element loads has a warning with the name of the marker. An acceptance in the body covers it.
+#[test]
+fn a_static_term_without_load_has_a_warning() {
+    for (index, (term, accepted, due)) in [
+        ("static(at: tip)", "", false),
+        (
+            "static(at: tip) + static(at: side, freedoms: [x, y])",
+            "",
+            true,
+        ),
+        ("static(at: [tip, side])", "", true),
+        (
+            "static(at: tip) + static(at: side, freedoms: x)",
+            "accept unloaded",
+            false,
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let text = format!(
+            "use std.joints.Fixed
+model Bar {{
+    gravity = [-9.81, 0, 0] m/s^2
+    flexible bar {{
+        mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+        support = foot
+        modes = {term} + normal(3)
+        damping = 1 %
+        marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+        marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+        marker side = patch(center: [10, 0, 100] mm, normal: x, radius: 15 mm)
+        {accepted}
+    }}
+    body disc {{ mass = 0.5 kg; inertia = [0.4, 0.4, 0.7] g*m^2; marker hub = origin }}
+    joint bolt = Fixed(disc.hub, bar.tip)
+}}
+analysis hang = assemble(Bar())
+"
+        );
+        let folder = Text::new(&format!("unloaded-{index}"), &text);
+        std::fs::write(folder.0.join("bar.bdf"), include_str!("mesh/bar.bdf")).expect("a mesh");
+        let (said, _) = folder.check();
+        let told = said.contains("bar: no element loads the marker `side` of this static term");
+        assert_eq!(told, due, "{term}: {said}");
+        assert!(due || !said.contains("W0505"), "{term}: {said}");
+        assert!(!said.contains("accepts nothing"), "{term}: {said}");
+    }
+}
+
+/// A message shows a list with the unit of its numbers.
+#[test]
+fn a_message_shows_lists() {
+    let text = "model Shown {
+    const order: Int[3] = [1, 3, 2]
+    let places = [[10, 20] mm, [30, 40] mm]
+    advise lists: length(order) > 3 else \"the order {order}, at {places as cm}\"
+    gravity = [0, 0, 0] m/s^2
+    body block { mass = 1 kg; inertia = [1, 1, 1] kg*m^2 }
+}
+analysis stands = assemble(Shown())
+";
+    let (said, _) = Text::new("lists", text).check();
+    let due = "the order [1, 3, 2], at [[1 cm, 2 cm], [3 cm, 4 cm]]";
+    assert!(said.contains(due), "{said}");
+}
+
 /// A torsional spring between axes that are `tilt` degrees apart, with an acceptance or none.
 fn across(tilt: f64, accepted: &str) -> String {
     let (sine, cosine) = tilt.to_radians().sin_cos();

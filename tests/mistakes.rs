@@ -15,7 +15,7 @@ use std::sync::Mutex;
 
 /// The mistakes, those that are reported before a run, and those reported near their place. `docs/validation.md`
 /// states these figures.
-const FIGURES: [usize; 3] = [326, 318, 298];
+const FIGURES: [usize; 3] = [338, 331, 308];
 /// Lines that count as near.
 const LINES: usize = 3;
 
@@ -276,6 +276,7 @@ fn right_models_are_quiet() {
         "tests/mesh",
         "examples/inline4",
         "examples/slider_crank",
+        "examples/swing",
         "examples/concept",
         "examples/v6",
         "examples/v6_split",

@@ -7,6 +7,10 @@
 //! only there. Loads that do not change with the motion (gas, gravity) hold nothing. Bodies count as rigid.
 //! The motion that turns the cycle is the purpose of the machine, so it is left out.
 
+mod sinking;
+
+pub use sinking::{Pushed, pushed_down, sag};
+
 use crate::assembly::at;
 use crate::assembly::gradients::Gradients;
 use crate::assembly::independent::Independent;
@@ -16,7 +20,7 @@ use crate::chain;
 use crate::elements::{self, Scratch};
 use crate::error::RuntimeError;
 use crate::model::Model;
-use crate::rotation::{M3, V3};
+use crate::rotation::V3;
 use crate::state::{State, move_pose};
 use eng_system::code::{Function, Pair};
 use nalgebra::{DMatrix, DVector};
@@ -202,6 +206,38 @@ pub fn springs(model: &Model, state: &State, element: usize) -> Result<bool, Run
     Ok(stiffness.largest() > 0.0)
 }
 
+/// The markers of an element that take loads, at rest at a position, with one of its markers after the other moved a
+/// little along the axes of the ground: a contact loads its markers only while it touches.
+///
+/// # Errors
+///
+/// Those of evaluating the element.
+pub fn loaded(model: &Model, state: &State, element: usize) -> Result<Vec<bool>, RuntimeError> {
+    let mut rest = state.clone();
+    rest.velocity.fill(0.0);
+    let own = &model.elements[element];
+    let layout = &model.class(element).layout;
+    let markers = own.markers.len();
+    let mut found = vec![false; markers];
+    let here = inputs(model, element, &at(&rest));
+    let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
+    for marker in 0..layout.markers {
+        for axis in 0..3 {
+            for way in WAYS {
+                let mut moved = here.clone();
+                let place = layout.marker(marker) as usize + axis;
+                moved[place] = moved[place].map(|x| x + way * model.length);
+                elements::call(model, own.class, Function::Residual, &moved, &mut out)?;
+                let wrenches = out.iter().skip(layout.rows as usize).take(6 * markers);
+                for (at, value) in wrenches.enumerate() {
+                    found[at / 6] |= value[0] != 0.0;
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
 /// Share of a torque up to which its change by a turn is rounding of the angle. A choice: sums of angles
 /// round to 1e-15, and stiff springs multiply this.
 const SAME: f64 = 1e-9;
@@ -262,159 +298,6 @@ pub fn kinetic_energy(model: &Model, state: &State) -> f64 {
 /// Share of the largest stiffness below which a stiffness is rounding. A choice some decades above the
 /// rounding unit, because stiffnesses of held directions cancel on free motions.
 const ROUNDING: f64 = 1e-11;
-/// Least eigenvalue (1/s) of states that relax: slower ones hold a load for minutes. A choice: a mount that
-/// takes longer stands for the weight like a spring.
-const RELAXES: f64 = 0.01;
-/// Most steps of the search for eigenvalues of a few states. A choice: usually each eigenvalue takes a few.
-const SCHUR_STEPS: usize = 1000;
-/// Largest rotation of a sinking body, as its displacement at the model's length over the sinking distance. A
-/// choice: with more of it, the body swings on other supports.
-const UPRIGHT: f64 = 0.2;
-
-/// The spring that yields most under gravity (m/s², inertial), and its deflection (m). This is an estimate
-/// from the stiffness `K` at a position, at rest. Let `N` be the free motions, `f` the weights and `V` the
-/// directions in which `Nᵀ (K + Kᵀ) N/2` is positive. The bodies move by `u = N V (Vᵀ Nᵀ K N V)⁻¹ Vᵀ Nᵀ f`.
-/// The deflection is `Δ/k`: the change `Δ` of the spring's own force along gravity in this move, over the
-/// spring's greatest stiffness `k`. The displacement of its ends would include sideways swing, because across
-/// its axis a stretched spring has only the stiffness of a pendulum, `F/L` with its force `F` and length `L`.
-/// For a spring that is softer along gravity than across, the estimate is too small.
-///
-/// `None` if no spring yields, if the bodies turn as they sink (a weak spring on a pendulum), and for bodies
-/// on an element whose states are its stiffness: it has no other stiffness, or its states do not relax at
-/// rest.
-///
-/// # Errors
-///
-/// Those of evaluating the elements.
-pub fn sag(
-    model: &Model,
-    state: &State,
-    gravity: V3,
-) -> Result<Option<(usize, f64)>, RuntimeError> {
-    let size = gravity.norm();
-    let none =
-        size == 0.0 || !size.is_finite() || !(0..model.elements.len()).any(|e| loads(model, e));
-    if none || model.bodies.iter().any(|body| body.modes() > 0) {
-        return Ok(None);
-    }
-    let down = gravity / size;
-    let mut rest = state.clone();
-    rest.velocity.fill(0.0);
-    let scales = model.velocity_scales();
-    let all: Vec<usize> = (0..model.velocities).collect();
-    let basis = free_motions(&unit_gradients(model, &rest, &all)?);
-    let [stiffness, _] = answers(model, &rest)?;
-    // the loads of a displacement x are −K x
-    let reduced = basis.tr_mul(&stiffness.scaled(model, &scales).times(&basis));
-    let reduced = (&reduced + reduced.transpose()) * -0.5;
-    if reduced.ncols() == 0 || reduced.iter().any(|x| !x.is_finite()) {
-        return Ok(None);
-    }
-    let mut weights = DVector::zeros(model.velocities);
-    for body in &model.bodies {
-        let frame = body.frame(&rest.pose);
-        let force = gravity * body.mass();
-        let moment = body.center().cross(&(frame.rotation.transpose() * force));
-        for i in 0..3 {
-            weights[body.velocity + i] = force[i] * scales[body.velocity + i];
-            weights[body.velocity + 3 + i] = moment[i] * scales[body.velocity + 3 + i];
-        }
-    }
-    let eigen = reduced.symmetric_eigen();
-    let largest = eigen.eigenvalues.amax();
-    let load = basis.transpose() * weights;
-    let mut way = DVector::zeros(eigen.eigenvalues.len());
-    for (value, vector) in eigen
-        .eigenvalues
-        .iter()
-        .zip(eigen.eigenvectors.column_iter())
-    {
-        if *value > ROUNDING * largest {
-            way += vector * (vector.dot(&load) / value);
-        }
-    }
-    let moved = &basis * way;
-    let unscaled = DVector::from_fn(moved.len(), |i, _| moved[i] * scales[i]);
-    let displaced = |marker: usize| -> Option<(V3, f64)> {
-        let marker = &model.markers[marker];
-        let Some(body) = marker.body.map(|b| &model.bodies[b]) else {
-            return Some((V3::zeros(), 0.0));
-        };
-        let part = |first: usize| {
-            let at = body.velocity + first;
-            V3::from_fn(|i, _| unscaled[at + i])
-        };
-        let (shift, turn) = (part(0), part(3));
-        let rotation = body.frame(&rest.pose).rotation;
-        let shift = shift + rotation * turn.cross(&marker.position);
-        Some((shift, turn.norm() * model.length))
-    };
-    let mut held_by_states = vec![false; model.bodies.len()];
-    for (index, element) in model.elements.iter().enumerate() {
-        let stateful = element.dynamic && model.class(index).layout.states > 0;
-        if stateful && !(springs(model, state, index)? && relaxes(model, &rest, index)?) {
-            for body in element
-                .markers
-                .iter()
-                .filter_map(|m| model.markers[*m].body)
-            {
-                held_by_states[body] = true;
-            }
-        }
-    }
-    let mut found: Option<(usize, f64)> = None;
-    for (index, element) in model.elements.iter().enumerate() {
-        let &[a, b] = element.markers.as_slice() else {
-            continue;
-        };
-        let held = |m: usize| {
-            model.markers[m]
-                .body
-                .is_some_and(|body| held_by_states[body])
-        };
-        let held = held(a) || held(b);
-        if !element.dynamic || !model.class(index).facts.applies_load || held {
-            continue;
-        }
-        let (Some((of_a, turn_a)), Some((of_b, turn_b))) = (displaced(a), displaced(b)) else {
-            continue;
-        };
-        let ends = (of_a - of_b).dot(&down).abs();
-        if turn_a.max(turn_b) >= UPRIGHT * ends {
-            continue;
-        }
-        let way = gives_way(model, &rest, index, &unscaled, &down)?;
-        if found.is_none_or(|(_, most)| way > most) && springs(model, state, index)? {
-            found = Some((index, way));
-        }
-    }
-    Ok(found)
-}
-
-/// Change of an element's force along `down` in small moves of the bodies (m, rad), over its greatest
-/// stiffness (m).
-fn gives_way(
-    model: &Model,
-    rest: &State,
-    element: usize,
-    moves: &DVector<f64>,
-    down: &V3,
-) -> Result<f64, RuntimeError> {
-    let [stiffness, _] = answers_of(model, rest, element..element + 1)?;
-    let moves = DMatrix::from_column_slice(moves.len(), 1, moves.as_slice());
-    let change = stiffness.times(&moves);
-    let of_body = |marker: &usize| {
-        let body = model.markers[*marker].body?;
-        let force = V3::from_column_slice(&change.as_slice()[6 * body..6 * body + 3]);
-        let own = stiffness.0.get(&(body, body))?;
-        let own = M3::from_fn(|i, j| own[6 * i + j]);
-        let greatest = own.singular_values().max();
-        (greatest > 0.0).then(|| force.dot(down).abs() / greatest)
-    };
-    let ways = model.elements[element].markers.iter().filter_map(of_body);
-    Ok(ways.fold(0.0, f64::max))
-}
-
 /// Derivatives of loads by motions of rigid bodies: a block of 6 × 6 numbers, row-major, for each loaded body and
 /// each body whose motion changes its loads. Few bodies of a large model touch each other.
 #[derive(Clone, Debug, Default)]
@@ -519,33 +402,6 @@ fn answers_of(
         }
     }
     Ok(found)
-}
-
-/// Whether the states of an element relax to values of their own while nothing moves, so that its stiffness after
-/// a long time is that with its present states: no eigenvalue of the derivative of their rates by the states is near zero.
-fn relaxes(model: &Model, rest: &State, index: usize) -> Result<bool, RuntimeError> {
-    let layout = &model.class(index).layout;
-    let states = layout.states as usize;
-    let (first, length) = (
-        layout.state_direction(0) as usize,
-        layout.residual_len() as usize,
-    );
-    let rates = (layout.rows + 6 * layout.markers) as usize;
-    let mut scratch = Scratch::new(model);
-    let tangents = tangents_of(model, index, rest, first..first + states, &mut scratch)?;
-    let slopes = DMatrix::from_fn(states, states, |i, j| {
-        tangents[(first + j) * length + rates + i][0]
-    });
-    if slopes.iter().any(|x| !x.is_finite()) {
-        return Ok(false);
-    }
-    let schur = nalgebra::Schur::try_new(slopes, f64::EPSILON, SCHUR_STEPS);
-    Ok(schur.is_some_and(|schur| {
-        let rates = schur.complex_eigenvalues();
-        rates
-            .iter()
-            .all(|rate| libm::hypot(rate.re, rate.im) > RELAXES)
-    }))
 }
 
 /// The derivatives of an element's outputs along some directions, at rest.

@@ -1,11 +1,10 @@
-//! Lints of the assembled machine: markers far apart, swapped pins and shells, bodies that nothing holds or
-//! that sink.
+//! Lints of the assembled machine: markers far apart, swapped pins and shells, bodies that nothing holds.
 
 use super::{Finding, short};
 use crate::codes;
 use eng_runtime::assembly::rows;
 use eng_runtime::chain::MarkerKinematics;
-use eng_runtime::loose::{Loose, loose, sag};
+use eng_runtime::loose::{Loose, loose};
 use eng_runtime::model::Model;
 use eng_runtime::rotation::V3;
 use eng_runtime::state::State;
@@ -30,10 +29,6 @@ const BESIDE_IN_BORES: f64 = 0.2;
 /// A body does not turn if its speed is below this share of the cycle's. A choice: gears and chains of
 /// engines have ratios far above it, and a start at rest leaves only rounding.
 const STANDS_STILL: f64 = 0.01;
-/// A machine has no effective springs if it sinks under its weight by this share of the model's length, or of
-/// the spring's length if that is larger. A choice: no spring of a machine is compressed by half of its
-/// length under the weight alone.
-const SINKS: f64 = 0.5;
 /// A body falls in a direction with at least this share of gravity. A choice: directions across gravity are
 /// so by construction, up to a slight slope.
 const FALLS: f64 = 0.1;
@@ -60,17 +55,18 @@ pub(super) fn assembled(start: &Start<'_>) -> Vec<Finding> {
             found.extend(start.unplaced(element));
             found.extend(start.slips(element));
             found.extend(start.between_welded(element));
+            found.extend(start.measured_and_loaded(element));
         }
     }
     found.extend(start.swapped());
     found.extend(start.askew());
     found.extend(start.useless());
     found.extend(start.loose());
-    found.extend(start.sinks());
+    found.extend(start.sinks().or_else(|| start.pushed_down()));
     found
 }
 
-fn mm(x: f64) -> String {
+pub(super) fn mm(x: f64) -> String {
     short(1e3 * x, 3)
 }
 
@@ -335,41 +331,6 @@ impl Start<'_> {
         of_film || cycle
     }
 
-    /// A spring on which a body sinks by a distance as large as the machine.
-    fn sinks(&self) -> Option<Finding> {
-        // if it cannot be evaluated, the run reports the error
-        let (element, way) = sag(self.model, self.state, self.gravity()).ok().flatten()?;
-        // the stiffness of a film at rest is no number of the text
-        let journals = &self.model.compiled.system.journals;
-        if journals.iter().any(|j| j.element as usize == element) {
-            return None;
-        }
-        // the model's length is that of its bodies; a spring may be longer than all of them
-        let apart = self.pair(element).map_or(0.0, |markers| {
-            let [a, b] = markers.map(|marker| self.marker(marker));
-            (a.position - b.position).norm()
-        });
-        if way < SINKS * self.model.length.max(apart) {
-            return None;
-        }
-        let message = format!(
-            "it yields by {} mm under the weight that it carries: is its stiffness in the right unit?",
-            mm(way)
-        );
-        let mut finding = self.finding(codes::SINKS, lint::SAG, element, message);
-        finding.help = "1 N/mm are 1000 N/m".to_owned();
-        let system = &self.model.compiled.system;
-        let stiffness = Dimension::MASS.over(Dimension::TIME.times(Dimension::TIME));
-        let constants = system.elements[element].constants.iter();
-        let parameters = constants
-            .flat_map(|slot| self.model.compiled.bind.parameters_of(*slot))
-            .filter_map(|index| system.parameters.get(index as usize))
-            .filter(|parameter| parameter.dimension == stiffness);
-        let places = parameters.map(|parameter| parameter.origin.clone());
-        super::decide(&mut finding, places.collect());
-        Some(finding)
-    }
-
     /// Angular speed of a body about an axis (inertial, unit length) at the start (rad/s).
     fn spin_about(&self, body: usize, axis: &V3) -> f64 {
         let body = &self.model.bodies[body];
@@ -384,7 +345,7 @@ impl Start<'_> {
         V3::from_column_slice(&self.state.velocity[first + 3..first + 6]).norm()
     }
 
-    fn gravity(&self) -> V3 {
+    pub(super) fn gravity(&self) -> V3 {
         V3::from(
             self.model
                 .compiled

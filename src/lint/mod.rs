@@ -4,9 +4,11 @@ mod assembled;
 mod axes;
 mod cycle;
 mod idle;
+mod measured;
 mod numbers;
 mod rods;
 mod turned;
+mod weights;
 
 pub(crate) use turned::turned as of_turn;
 

@@ -226,7 +226,7 @@ fn held(system: &System) -> Option<Finding> {
         message: "the cycle's angle does not change: no motion that the joints allow turns it"
             .to_owned(),
         label: "an angle that the joints hold".to_owned(),
-        help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`".to_owned(),
+        help: "the cycle is the angle of the crank: `rotation(crank.flange, ground)`; a run over turns of this angle is refused (E0714)".to_owned(),
         ..Finding::default()
     })
 }

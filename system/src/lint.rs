@@ -13,7 +13,7 @@ pub const DAMPING: &str = "damping";
 pub const LOOSE: &str = "loose";
 /// Markers of one element that are far apart.
 pub const APART: &str = "apart";
-/// A first marker at rest while the second moves.
+/// Markers in each other's places: a shell turns and its pin does not, or a guide takes the load of its part.
 pub const SWAPPED: &str = "swapped";
 /// Axes of an angle or a film that are not parallel.
 pub const ASKEW: &str = "askew";
@@ -23,7 +23,7 @@ pub const IDLE: &str = "idle";
 pub const STEP: &str = "step";
 /// Samples that are far apart for the speed of the cycle, or a run that ends before it has turned.
 pub const SAMPLING: &str = "sampling";
-/// A spring that is too soft for the weight it carries.
+/// A spring that is too soft for the weight it carries, or pushes along gravity.
 pub const SAG: &str = "sag";
 /// An angle of many turns.
 pub const TURNS: &str = "turns";
@@ -42,10 +42,13 @@ pub const MIRRORED: &str = "mirrored";
 /// A cycle whose angle swings, or falls under a gas trace.
 pub const CYCLE: &str = "cycle";
 
+/// A marker of a static term of a flexible body that no element loads.
+pub const UNLOADED: &str = "unloaded";
+
 /// All of them.
-pub const BUILT_IN: [&str; 18] = [
+pub const BUILT_IN: [&str; 19] = [
     INERTIA, GRAVITY, DAMPING, LOOSE, APART, SWAPPED, ASKEW, IDLE, STEP, SAMPLING, SAG, TURNS,
-    UNIT_NAME, PERIOD, FIRING, BORE, MIRRORED, CYCLE,
+    UNIT_NAME, PERIOD, FIRING, BORE, MIRRORED, CYCLE, UNLOADED,
 ];
 
 /// Lints about the whole model, its cycle or an analysis, which have no block for an acceptance.

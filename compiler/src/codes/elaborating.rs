@@ -56,7 +56,7 @@ eng_grammar::codes! {
         "require cylinders > 4 else \"this crank is for more than four cylinders\"",
         "const cylinders = 6\nrequire cylinders > 4 else \"this crank is for more than four cylinders\"";
     MESSAGE_FORM = "E0514", "a message shows something other than a number or a text",
-        "The braces contain an expression whose value is a number or a text. A message of a report takes only names: give other expressions a name with `let`.",
+        "The braces contain an expression whose value is a number, a text or a list of them. A message of a report takes only names: give other expressions a name with `let`.",
         "require gap > 1 mm else \"the gap at {marker} is too small\"",
         "require gap > 1 mm else \"the gap is {abs(gap) as um}\"";
     TWO_CYCLES = "E0515", "a model has several cycles",
@@ -190,7 +190,7 @@ eng_grammar::codes! {
         "These bodies are connected with each other, but none of them is connected to the ground: together they fall or drift. If this is intended, write `accept loose`. A model without any connection to the ground gives no warning.",
         "", "";
     UNSERVED = "W0505", "a load on a flexible body has no static mode",
-        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker represents the load exactly. A term that lists its freedoms is not changed. A term whose markers have no load gives no mode. Constraint modes of a free body that are rigid motions, such as those of a single interface, give no mode and represent no load.",
+        "Normal modes alone converge slowly under a load at one place: the body seems too stiff there. A static mode at that marker represents the load exactly. A term that lists its freedoms is not changed. A term whose markers have no load gives no mode. A marker that a static term names and no element loads was probably to have a joint, a force or a film; if it is intended, write `accept unloaded` in the body. Constraint modes of a free body that are rigid motions, such as those of a single interface, give no mode and represent no load.",
         "flexible crank { modes = normal(16) }",
         "flexible crank { modes = static(at: [main, pin]) + normal(16) }";
     PERIOD_GAP = "W0506", "the points of a periodic table leave out a part of the period",

@@ -13,7 +13,9 @@ use eng_system::flexible::{
     ALL_FREEDOMS, FlexibleSource, Freedoms, Interface, ModeTerm, freedom_text,
 };
 use eng_system::layout::{InputLayout, MARKER_WIDTH, ROTATION};
+use eng_system::lint;
 use eng_system::system::{BodyInertia, BodyRef, Element, Role};
+use std::sync::Arc;
 
 /// Random states at which an element is tried. A choice: a component that acts in half of all states, as that
 /// of a stop, is missed once in 4096 elements.
@@ -273,6 +275,13 @@ impl Elaborator<'_, '_> {
             for message in idle_terms(&draft.terms, &loads, &source) {
                 self.diagnostics.push(message);
             }
+            let unloaded = unloaded_markers(&draft.terms, &loads, &source);
+            let path = &source.origin.path;
+            if !unloaded.is_empty() && !accepted(elaborated, lint::UNLOADED, path) {
+                for (term, markers) in unloaded {
+                    self.diagnostics.push(without_load(path, term, &markers));
+                }
+            }
             let written = match (draft.terms.first(), draft.terms.last()) {
                 (Some(first), Some(last)) if first.span.source == last.span.source => Some(Span {
                     start: first.span.start.min(last.span.start),
@@ -356,6 +365,63 @@ pub fn without_static_mode(body: &str, place: Span) -> Diagnostic {
         place,
         "without a static mode the body is too stiff under these loads",
     )
+}
+
+/// Whether the text accepts a lint about the object of a path. Marks the accepting items as used.
+fn accepted(elaborated: &mut Elaborated, name: &str, path: &str) -> bool {
+    let mut found = false;
+    for accepted in &mut Arc::make_mut(&mut elaborated.system).accepted {
+        if accepted.covers(name, path) {
+            accepted.used = true;
+            found = true;
+        }
+    }
+    found
+}
+
+/// The static terms with markers that no element loads, and the names of these markers. Terms of [`idle_terms`] are left
+/// out: those have no mode at all.
+fn unloaded_markers<'s>(
+    terms: &[TermDraft],
+    loads: &[Transmitted],
+    source: &'s FlexibleSource,
+) -> Vec<(Span, Vec<&'s str>)> {
+    let free = |marker: &&u32| {
+        let load = loads.get(**marker as usize);
+        load.is_some_and(|load| load.freedoms == 0) && !source.support.contains(marker)
+    };
+    let mut found: Vec<(Span, Vec<&str>)> = Vec::new();
+    for term in terms {
+        let markers: Vec<&u32> = term.at.iter().filter(free).collect();
+        let idle = term.freedoms.is_none() && markers.len() == term.at.len();
+        let of_loads = matches!(term.kind, TermKind::Static | TermKind::Constraint);
+        let known = found.iter().any(|(span, _)| *span == term.span);
+        if markers.is_empty() || idle || known || !of_loads {
+            continue;
+        }
+        let names = markers.into_iter();
+        let names = names.filter_map(|m| Some(source.markers.get(*m as usize)?.name.as_str()));
+        found.push((term.span, names.collect()));
+    }
+    found
+}
+
+/// The warning about markers of a static term that no element loads.
+fn without_load(body: &str, term: Span, markers: &[&str]) -> Diagnostic {
+    let one = markers.len() == 1;
+    let names = listing(markers.iter().copied(), 5);
+    let title = format!(
+        "{body}: no element loads the {} {names} of this static term",
+        if one { "marker" } else { "markers" }
+    );
+    Diagnostic::warning(codes::UNSERVED, title)
+        .at(term, "static modes serve the loads of elements")
+        .with_help(format!(
+            "put a joint, force or journal on {}, or leave {} out of the term",
+            if one { "it" } else { "them" },
+            if one { "it" } else { "them" }
+        ))
+        .acceptable(lint::UNLOADED)
 }
 
 /// The warnings about terms without modes: they list no freedoms, and no element loads their markers.

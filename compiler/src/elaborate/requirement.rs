@@ -280,35 +280,59 @@ impl<'a> Elaborator<'a, '_> {
             };
             let span = value.span;
             found.text.push_str(self.sources.text(span));
-            let number = match self.evaluate(value, scope)? {
-                Value::Scalar(number) => number,
-                Value::Int(i) => self.graphs.constant(i as f64),
-                Value::Text(text) => {
-                    found.parts.push(Part::Text(text));
-                    continue;
-                }
-                Value::Choice(id, word) => {
-                    let word = self.program.word(id, word);
-                    let word = self.checked(word, span, "no such word")?;
-                    found.parts.push(Part::Text(word.to_owned()));
-                    continue;
-                }
-                other => return Err(self.not_shown(span, &other)),
-            };
-            let display = match unit {
-                Some(unit) => DisplayUnit::from(self.unit(unit)?),
-                None => {
-                    let dimension = self.dimension_at(span, scope)?;
-                    self.usual_unit(dimension)
-                }
-            };
-            found.parts.push(Part::Value {
-                value: number,
-                display,
-                span,
-            });
+            let shown = self.evaluate(value, scope)?;
+            self.show(shown, (span, unit.as_ref()), scope, &mut found.parts)?;
         }
         Ok(found)
+    }
+
+    /// Adds a value to a message: a number with its unit, a text, a word, or a list of them.
+    fn show(
+        &mut self,
+        shown: Value<'a>,
+        (span, unit): (Span, Option<&'a ast::UnitExpr>),
+        scope: ScopeId,
+        parts: &mut Vec<Part>,
+    ) -> Eval<()> {
+        let value = match shown {
+            Value::Scalar(number) => number,
+            Value::Int(i) => self.graphs.constant(i as f64),
+            Value::Text(text) => {
+                parts.push(Part::Text(text));
+                return Ok(());
+            }
+            Value::Choice(id, word) => {
+                let word = self.program.word(id, word);
+                let word = self.checked(word, span, "no such word")?;
+                parts.push(Part::Text(word.to_owned()));
+                return Ok(());
+            }
+            Value::List(values) => {
+                parts.push(Part::Text("[".to_owned()));
+                for (place, value) in values.into_iter().enumerate() {
+                    if place > 0 {
+                        parts.push(Part::Text(", ".to_owned()));
+                    }
+                    self.show(value, (span, unit), scope, parts)?;
+                }
+                parts.push(Part::Text("]".to_owned()));
+                return Ok(());
+            }
+            other => return Err(self.not_shown(span, &other)),
+        };
+        let display = match unit {
+            Some(unit) => DisplayUnit::from(self.unit(unit)?),
+            None => {
+                let dimension = self.dimension_at(span, scope)?;
+                self.usual_unit(dimension)
+            }
+        };
+        parts.push(Part::Value {
+            value,
+            display,
+            span,
+        });
+        Ok(())
     }
 
     fn not_shown(&mut self, span: Span, found: &Value<'_>) -> super::Reported {

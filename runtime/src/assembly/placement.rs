@@ -7,6 +7,7 @@ use crate::error::RuntimeError;
 use crate::model::Model;
 use crate::rotation::{M3, V3, exponential, normalized, product, quaternion};
 use crate::state::State;
+use eng_system::Dimension;
 
 /// The 24 rotations of a cube, the identity first.
 pub fn cube_rotations() -> Vec<M3> {
@@ -52,7 +53,8 @@ pub struct Stated {
 }
 
 /// Places every body without a stated position that rows connect to placed bodies or ground. The body with
-/// the most rows to placed bodies is next; among equals the order of the bodies decides. Unconnected bodies
+/// the most rows to placed bodies is next; among equals the order of the bodies decides. Rows of angles alone place no
+/// body: a drive between ground and flywheel leaves the place of a carried engine open. Unconnected bodies
 /// keep their position and count as placed. A guess is the first position of the search. Its rows are not
 /// among `elements`, because they would never close together with the joints.
 pub fn place(
@@ -80,10 +82,8 @@ pub fn place(
     loop {
         let mut next: Option<(usize, usize)> = None;
         for body in (0..model.bodies.len()).filter(|b| !placed[*b]) {
-            let rows: usize = connecting(model, elements, body, &placed)
-                .iter()
-                .map(|e| model.class(*e).rows.len())
-                .sum();
+            let near = connecting(model, elements, body, &placed);
+            let rows: usize = near.iter().map(|e| model.class(*e).rows.len()).sum();
             // preferences place a body like joints: a crank comes before its rods, whose position depends on it
             let preferences = preferred(model, &preferences, &[body], &placed);
             let rows = rows
@@ -91,20 +91,16 @@ pub fn place(
                     .iter()
                     .map(|preference| preference.range().len())
                     .sum::<usize>();
-            if rows > 0 && next.is_none_or(|(most, _)| rows > most) {
+            let placing = !preferences.is_empty() || near.iter().any(|e| places(model, *e));
+            if placing && next.is_none_or(|(most, _)| rows > most) {
                 next = Some((rows, body));
             }
         }
-        let Some((_, body)) = next else {
-            // No row leads to another body. The first body from which others can be placed keeps its
-            // position.
-            match (0..model.bodies.len()).find(|b| !placed[*b]) {
-                Some(b) => {
-                    placed[b] = true;
-                    continue;
-                }
-                None => return Ok(()),
-            }
+        // If no row leads to another body, the first body from which others can be placed keeps its position. It follows
+        // rows of angles alone.
+        let first = || (0..model.bodies.len()).find(|b| !placed[*b]);
+        let Some(body) = next.map(|(_, body)| body).or_else(first) else {
+            return Ok(());
         };
         place_one(
             model,
@@ -116,6 +112,13 @@ pub fn place(
         )?;
         placed[body] = true;
     }
+}
+
+/// Whether an element has other equations than those of angles.
+fn places(model: &Model, element: usize) -> bool {
+    let of_angles = [Dimension::ONE, Dimension::ANGLE];
+    let mut rows = model.class(element).rows.iter();
+    rows.any(|row| !of_angles.contains(&row.dimension))
 }
 
 fn connecting(model: &Model, elements: &[usize], body: usize, placed: &[bool]) -> Vec<usize> {

@@ -19,6 +19,10 @@ use nalgebra::{DMatrix, DVector};
 /// decided by them instead of by the weaker kinds of conditions.
 const SOFT: f64 = 1e-6;
 
+/// Share of a torque below which its change by a turn of 1 rad is rounding. A choice some decades above the rounding of
+/// a torque that turns in the axes of its marker and is constant for an observer at rest.
+const CONSTANT: f64 = 1e-12;
+
 /// A source of velocities. [`super::motion`] has their order.
 #[derive(Clone, Debug)]
 pub(super) enum Source {
@@ -88,7 +92,8 @@ impl SteadyMotion {
     }
 
     /// Derivatives of an element's wrenches with respect to velocities and positions, each scaled to the size
-    /// of one. Soft rows are zero.
+    /// of one. Soft rows are zero. Those of torques are as an observer at rest sees them: a brake between ground and a
+    /// leaning shaft has a torque of constant direction, although it circles in the axes of the shaft.
     pub(crate) fn load_derivatives(
         &self,
         model: &Model,
@@ -104,6 +109,14 @@ impl SteadyMotion {
         let mut work = vec![[0.0; 2]; tape + layout.directions() as usize];
         let mut out = vec![[0.0; 2]; layout.residual_len() as usize];
         let inputs = rows::inputs(model, element, &at(state));
+        let mut present = vec![[0.0; 2]; layout.residual_len() as usize];
+        elements::call(
+            model,
+            class_index,
+            Function::Residual,
+            &inputs,
+            &mut present,
+        )?;
         elements::call(
             model,
             class_index,
@@ -111,6 +124,8 @@ impl SteadyMotion {
             &inputs,
             &mut work[..tape],
         )?;
+        let torques = (0..wrenches).filter(|i| i % 6 >= 3);
+        let torque = torques.fold(0.0_f64, |most, i| most.max(present[rows + i][0].abs()));
         let mut made = Vec::new();
         for by_twist in [true, false] {
             if by_twist && !class.facts.uses_twist {
@@ -131,8 +146,16 @@ impl SteadyMotion {
                     elements::call(model, class_index, Function::Tangent, &work, &mut out)?;
                     work[tape + base + d] = [0.0; 2];
                     for i in 0..wrenches {
+                        // a torque is stated in the axes of its marker and turns with them
+                        let turned = match (d.checked_sub(3), (i % 6).checked_sub(3)) {
+                            (Some(about), Some(along)) if !by_twist && i / 6 == k => {
+                                turned(&present[rows + 6 * k + 3..][..3], about, along)
+                            }
+                            _ => 0.0,
+                        };
                         // a force counts with the model's length as its arm, to be comparable with a torque
-                        let slope = out[rows + i][0] * if i % 6 < 3 { model.length } else { 1.0 };
+                        let arm = if i % 6 < 3 { model.length } else { 1.0 };
+                        let slope = (out[rows + i][0] + turned) * arm;
                         for w in 0..jacobian.ncols() {
                             matrix[(i, first + w)] += slope * jacobian[(d, w)];
                         }
@@ -142,7 +165,8 @@ impl SteadyMotion {
             let mut scaled = matrix.clone();
             self.scale_columns(&mut scaled);
             let largest = scaled.row_iter().fold(0.0_f64, |w, r| w.max(r.norm()));
-            if largest > 0.0 && largest.is_finite() {
+            let least = if by_twist { 0.0 } else { CONSTANT * torque };
+            if largest > least && largest.is_finite() {
                 for i in 0..wrenches {
                     let keep = scaled.row(i).norm() > SOFT * largest;
                     matrix.row_mut(i).scale_mut(f64::from(u8::from(keep)));
@@ -154,6 +178,16 @@ impl SteadyMotion {
             made.push(matrix);
         }
         Ok(made)
+    }
+}
+
+/// Component `along` of the rate of a vector that turns about the axis `about` at 1 rad/s (0…2 for x…z).
+fn turned(vector: &[[f64; 2]], about: usize, along: usize) -> f64 {
+    match (3 + along - about) % 3 {
+        // e_y × z = x, e_z × x = y, e_x × y = z
+        2 => vector[3 - about - along][0],
+        1 => -vector[3 - about - along][0],
+        _ => 0.0,
     }
 }
 
