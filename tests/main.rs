@@ -87,4 +87,5 @@ mod support;
 mod thermal_films;
 mod turning_shafts;
 mod validation;
+mod watch;
 mod wrong_settings;
