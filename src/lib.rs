@@ -103,7 +103,7 @@ pub use eng_runtime::{
 pub use eng_system::host::HostError;
 pub use eng_system::input::Interpolation;
 pub use eng_system::system::summary::{Statistic, SummaryColumn, SummaryParameter};
-pub use eng_system::system::{Start, StepControl};
+pub use eng_system::system::{Method, Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
 pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};

@@ -7,7 +7,7 @@ use eng_runtime::inputs::Point;
 use eng_runtime::linearised::{LinearModes, StateSpace, Wanted};
 use eng_runtime::{Energy, Options, Reading, RuntimeError, Statistics};
 use eng_system::code::Bound;
-use eng_system::system::{Start, StepControl};
+use eng_system::system::{Method, Start, StepControl};
 
 /// Parameters and options of a simulation before its start.
 #[derive(Clone, Debug)]
@@ -99,8 +99,13 @@ impl SimulationBuilder {
 
     /// Spectral radius at infinite frequency, 0…1 (default 0.8). 1 gives no damping and is refused with
     /// constraints.
-    pub fn rho_infinity(mut self, rho: f64) -> Self {
-        self.options.rho_infinity = rho;
+    pub fn rho_infinity(self, rho: f64) -> Self {
+        self.method(Method::GeneralisedAlpha { rho_infinity: rho })
+    }
+
+    /// The method of integration (default generalised-α).
+    pub fn method(mut self, method: Method) -> Self {
+        self.options.method = method;
         self
     }
 

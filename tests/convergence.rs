@@ -3,31 +3,7 @@
 use eng::{Model, Simulation, Sources};
 
 /// A slider-crank that coasts, against gravity and a torsional spring and damper on its crank.
-const COASTING: &str = "
-use std.joints.{Revolute, PointOnLine, Translational}
-use std.forces.TorsionSpring
-model Coasting {
-    gravity = [-9.81, 0, 0] m/s^2
-    marker rail = [0, 0, 0] mm
-    marker bore = at([0, 0, 0] mm, z: [1, 0, 0])
-    body crank {
-        mass = 2 kg; inertia = [6, 6, 4] g*m^2; center_of_mass = [5, 0, 0] mm
-        marker main = origin
-        marker pin = [40, 0, 0] mm
-        start angular_velocity = [0, 0, 1]*(3000 rpm)
-    }
-    body rod { mass = 0.6 kg; inertia = [2.5, 0.1, 2.5] g*m^2; marker big = [0, -40, 0] mm; marker small = [0, 100, 0] mm }
-    body piston { mass = 0.5 kg; inertia = [0.5, 0.4, 0.4] g*m^2; marker pin = origin; marker crown = at(origin, z: [1, 0, 0]) }
-    joint main = Revolute(crank.main, rail)
-    joint big_end = Revolute(rod.big, crank.pin)
-    joint wrist = PointOnLine(rod.small, piston.pin)
-    joint liner = Translational(piston.crown, bore) { branch travel > 0 mm }
-    start rotation(crank.main, rail) = 20 deg
-    force brake = TorsionSpring(crank.main, rail, stiffness: 60 N*m/rad, damping: 0.2 N*m*s/rad)
-    output place: Length = dot(piston.pin.origin, bore.z) as mm
-    output speed: Velocity = dot(piston.pin.velocity, bore.z) as m/s
-    output wall: Force = liner.force.x as N
-}";
+const COASTING: &str = include_str!("benchmarks/coasting.eng");
 
 fn model(text: &str, name: &str) -> Model {
     eng::check(&Sources::from_text("m.eng", text), "m.eng")

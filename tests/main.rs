@@ -69,6 +69,7 @@ mod paper_films;
 mod periodic_decay;
 mod periodic_results;
 mod quick_engine;
+mod radau;
 mod report;
 mod report_gradients;
 mod reports_of_a_text;

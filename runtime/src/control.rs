@@ -8,7 +8,7 @@ const GROWTH: (f64, f64) = (0.2, 2.0);
 /// steps are then up to 13 % shorter than the error allows.
 const KEEP: f64 = 1.15;
 
-/// PI controller for a local error of order three (Gustafsson 1991; exponents 0.7/3 and 0.4/3).
+/// PI controller for a local error of the order p (Gustafsson 1991; exponents 0.7/p and 0.4/p).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepSize {
     /// Next step (s).
@@ -41,15 +41,15 @@ impl StepSize {
     pub fn limit(&mut self, limit: f64) {
         self.step = self.step.min(limit);
     }
-    /// Called after an accepted step h with its error over tolerance. A step that was cut short does not
+    /// Called after an accepted step h with its error over tolerance, of the order `order` in h. A step that was cut short does not
     /// shrink the next one.
     ///
     /// The factor 0.9 aims below the tolerance, because a little more error would reject the next step. The
     /// least errors, 1e-8 and 1e-4, bound the powers. The second power is 0.29 or more. A step within a
     /// thousandth of the planned one was not cut short: the difference is the rounding of times.
-    pub fn accepted(&mut self, h: f64, error: f64) {
+    pub fn accepted(&mut self, h: f64, error: f64, order: f64) {
         let error = error.max(1e-8);
-        let factor = 0.9 * libm::pow(error, -0.7 / 3.0) * libm::pow(self.before, 0.4 / 3.0);
+        let factor = 0.9 * libm::pow(error, -0.7 / order) * libm::pow(self.before, 0.4 / order);
         self.before = error.max(1e-4);
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
         let proposed = if (1.0..KEEP).contains(&factor) {
@@ -65,11 +65,11 @@ impl StepSize {
         };
     }
     /// Called after a step h whose error exceeds the tolerance.
-    pub fn rejected(&mut self, h: f64, error: f64) {
+    pub fn rejected(&mut self, h: f64, error: f64, order: f64) {
         let factor = if error.is_finite() {
             // at most 0.8, a choice: the error is above the tolerance, and a repeated step that is hardly
             // shorter may fail again
-            (0.9 * libm::cbrt(1.0 / error)).clamp(GROWTH.0, 0.8)
+            (0.9 * libm::pow(error, -1.0 / order)).clamp(GROWTH.0, 0.8)
         } else {
             GROWTH.0
         };

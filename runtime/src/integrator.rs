@@ -1,4 +1,4 @@
-//! The generalised-α method on the Lie group, for differential-algebraic equations of index 3.
+//! The generalised-α method on the Lie group, for differential-algebraic equations of index 3, and Radau IIA.
 //!
 //! Arnold and Brüls, "Convergence of the generalized-α scheme for constrained mechanical systems", Multibody
 //! Syst Dyn 18 (2007); on Lie groups: Brüls, Cardona, Arnold, Mech Mach Theory 48 (2012). With `u = h Δq`:
@@ -42,6 +42,7 @@
 mod dense;
 mod nearest;
 mod newton;
+mod radau;
 mod saved;
 mod variation;
 mod vibration;
@@ -59,6 +60,8 @@ use crate::linear::{BlockLu, LinearSolver};
 use crate::model::Model;
 use crate::state::{State, move_pose};
 use eng_system::secants::Secants;
+use eng_system::system::Method;
+use radau::Radau;
 
 /// The error norm contains a mode while ωh is below this (rad), which is six steps per period. For faster
 /// modes the series of the estimate does not converge. Such a mode follows its load, and numerical damping
@@ -240,6 +243,8 @@ pub struct Integrator {
     governing: Option<usize>,
     /// Vibrations of each body; see the module `vibration`.
     pub vibrations: Vec<Vibration>,
+    /// Present if the steps are those of Radau IIA.
+    radau: Option<Box<Radau>>,
 }
 
 impl Integrator {
@@ -247,10 +252,14 @@ impl Integrator {
     pub fn new(
         model: &Model,
         start: &State,
-        rho: f64,
+        method: Method,
         goal: Goal,
     ) -> Result<Integrator, RuntimeError> {
         let plan = MatrixPlan::new(model);
+        let radau = match method {
+            Method::Radau => Some(Box::new(Radau::new(model, &plan.pattern))),
+            Method::GeneralisedAlpha { .. } => None,
+        };
         let solver = BlockLu::new(&plan.pattern);
         let size = plan.pattern.size();
         let mut scales = model.velocity_scales();
@@ -264,7 +273,7 @@ impl Integrator {
         scales.extend(model.row_scales());
         let masses = model.bodies.iter().map(|b| b.width() * b.width()).sum();
         Ok(Integrator {
-            coefficients: Coefficients::new(rho),
+            coefficients: Coefficients::new(method.rho_infinity()),
             current: start.clone(),
             previous: start.clone(),
             next: start.clone(),
@@ -307,6 +316,7 @@ impl Integrator {
             estimate: vec![0.0; model.velocities],
             governing: None,
             vibrations: vec![Vibration::default(); model.bodies.len()],
+            radau,
         })
     }
 
@@ -334,6 +344,9 @@ impl Integrator {
         state_jerk: &[f64],
     ) {
         let c = self.coefficients;
+        if let Some(radau) = &mut self.radau {
+            radau.begin_anew();
+        }
         self.jerk.copy_from_slice(jerk);
         self.multiplier_rate.copy_from_slice(multiplier_rate);
         self.state_jerk.copy_from_slice(state_jerk);
@@ -375,7 +388,7 @@ impl Integrator {
 
     /// Whether a step h needs [`Integrator::set_defect`] first, because it differs from the last step.
     pub fn needs_defect(&self, h: f64) -> bool {
-        h != self.auxiliary_step && !self.defect_known
+        h != self.auxiliary_step && !self.defect_known && self.radau.is_none()
     }
 
     /// Sets the part of the current velocity that is normal to the constraints in the mass norm.
@@ -525,6 +538,11 @@ impl Integrator {
         &self.next
     }
 
+    /// The end of the last trial.
+    pub fn trial_state_mut(&mut self) -> &mut State {
+        &mut self.next
+    }
+
     /// The trial's unknowns (scaled).
     pub fn trial(&self) -> &[f64] {
         &self.trial
@@ -579,11 +597,21 @@ impl Integrator {
         h: f64,
         demand: Demand,
     ) -> Result<(), RuntimeError> {
-        let (n, s) = (model.velocities, model.states);
         self.apply_trial(model, h);
+        self.next.time = self.current.time + h;
+        self.evaluate_next(model, dynamics, demand)
+    }
+
+    /// Evaluates the scaled residual at the trial's state.
+    fn evaluate_next(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        demand: Demand,
+    ) -> Result<(), RuntimeError> {
+        let (n, s) = (model.velocities, model.states);
         self.masses_known = false;
         self.statistics.residuals += 1;
-        self.next.time = self.current.time + h;
         dynamics.place(model, self.next.time, &self.next.pose, &self.next.velocity);
         dynamics.gather(
             model,
@@ -679,6 +707,7 @@ impl Integrator {
     /// differently.
     pub fn accept(&mut self, model: &Model, h: f64, time: f64) {
         let n = model.velocities;
+        self.keep_stages(model, h);
         self.statistics.steps += 1;
         self.next.time = time;
         self.next.rotations.copy_from_slice(&self.current.rotations);

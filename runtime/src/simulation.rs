@@ -31,7 +31,7 @@ use crate::outputs::{Outputs, Watch};
 use crate::rotation::{M3, V3};
 use crate::start::{self, StartReport};
 use crate::state::State;
-use eng_system::analysis::Integration;
+use eng_system::analysis::{Integration, Method};
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
 pub use gradients::{Gradients, SampleGradient};
@@ -48,9 +48,9 @@ use stopping::Stopping;
 pub struct Options {
     /// Fixed steps, or a factor on the physical tolerances.
     pub step: StepControl,
-    /// Spectral radius at infinite frequency, 0…1. It must be below 1 with constraints: at 1 their
-    /// multipliers have no damping and drift away after many turns.
-    pub rho_infinity: f64,
+    /// The method. The spectral radius of generalised-α must be below 1 with constraints: at 1 their multipliers have
+    /// no damping and drift away after many turns.
+    pub method: Method,
     /// Largest correction that ends Newton's iteration, in scaled unknowns. `None` means 1e-4 of the position
     /// tolerance over the model's length, times the factor on the tolerances if that is below 1, and at most
     /// 1e-10. The correction must also be below `GOAL` of the accelerations' share of a step.
@@ -67,9 +67,7 @@ impl Default for Options {
     fn default() -> Options {
         Options {
             step: StepControl::Tolerance(1.0),
-            // a choice: the multipliers' errors decay to a thousandth in thirty steps, and vibrations of 25
-            // and more steps per period lose little
-            rho_infinity: 0.8,
+            method: Method::default(),
             newton_tolerance: None,
             // a choice: a load of tens of milliseconds is seen, and slow motions still take few steps
             max_step: 0.01,
@@ -83,12 +81,12 @@ impl From<Integration> for Options {
     fn from(stated: Integration) -> Options {
         let Integration {
             step,
-            rho_infinity,
+            method,
             start,
         } = stated;
         Options {
             step,
-            rho_infinity,
+            method,
             start,
             ..Options::default()
         }
@@ -304,7 +302,7 @@ impl Simulation {
             .collect();
         let dynamics = Dynamics::new(&model);
         Ok(Simulation {
-            integrator: Integrator::new(&model, &state, options.rho_infinity, goal)?,
+            integrator: Integrator::new(&model, &state, options.method, goal)?,
             kinks: Kinks::new(&model, dynamics.batches()),
             overlooked: None,
             renewals: 0,
@@ -578,18 +576,27 @@ fn least_tolerance(model: &Model, step: StepControl) -> f64 {
 
 fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
     let refuse = |message: String| Err(RuntimeError::Options { message });
-    if !(0.0..=1.0).contains(&options.rho_infinity) {
+    let rho_infinity = options.method.rho_infinity();
+    if !(0.0..=1.0).contains(&rho_infinity) {
         return refuse(format!(
-            "the spectral radius at infinite frequency is {}; it must be from 0 to 1",
-            options.rho_infinity
+            "the spectral radius at infinite frequency is {rho_infinity}; it must be from 0 to 1"
         ));
     }
-    if options.rho_infinity == 1.0 && model.rows > 0 {
+    if rho_infinity == 1.0 && model.rows > 0 {
         return refuse(
             "a spectral radius of 1 at infinite frequency damps no error of the constraints' multipliers, which then \
              grows over many turns; take one below 1, such as 0.95"
                 .into(),
         );
+    }
+    let mut kernels = model.kernels.iter();
+    let remembers = kernels.position(|kernels| kernels.iter().any(|kernel| kernel.memory() > 0));
+    if let (Method::Radau, Some(element)) = (options.method, remembers) {
+        return refuse(format!(
+            "{} remembers its oil from step to step, and the stages of `integrator: radau` have no such memory: leave `integrator` \
+             out, or take a film that conserves no mass",
+            model.compiled.system.elements[element].origin.path
+        ));
     }
     if options.max_step.is_nan() || options.max_step <= 0.0 {
         return refuse(format!(

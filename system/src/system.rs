@@ -5,8 +5,8 @@
 //! text.
 
 pub use crate::analysis::{
-    Analysis, AnalysisKind, Extent, Integration, Kinematic, Linear, Names, Periodic, PointValue,
-    Response, Rows, Start, StepControl, Transient,
+    Analysis, AnalysisKind, Extent, Integration, Kinematic, Linear, Method, Names, Periodic,
+    PointValue, Response, Rows, Start, StepControl, Transient,
 };
 use crate::dimension::{Dimension, DisplayUnit};
 use crate::layout::InputLayout;

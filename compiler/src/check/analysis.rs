@@ -13,7 +13,7 @@ use eng_grammar::ast::{Argument, Binder, Declaration, Expr, ExprKind, Form, Kind
 use eng_grammar::{Diagnostic, Span};
 use eng_system::Dimension;
 use eng_system::analysis::{self, Counted, KINDS, KindRow, Takes};
-use eng_system::system::Start;
+use eng_system::system::{Method, Start};
 
 const EXAMPLE: &str =
     "for instance `analysis run = transient(Model(), duration: 1 s, sample: 1 ms)`";
@@ -189,7 +189,11 @@ impl<'p> Checker<'p> {
             };
             if !matches!(
                 form,
-                Takes::Extent(_) | Takes::Start | Takes::Names(_) | Takes::Condition
+                Takes::Extent(_)
+                    | Takes::Start
+                    | Takes::Method
+                    | Takes::Names(_)
+                    | Takes::Condition
             ) {
                 others.push(argument.clone());
                 continue;
@@ -220,7 +224,18 @@ impl<'p> Checker<'p> {
                         self.stop_condition(scope, model, row.name, value);
                     }
                 }
-                _ => self.start_word(value),
+                Takes::Method => self.word_of(
+                    value,
+                    &Method::NAMED.map(|(word, _)| word),
+                    "`integrator` of an analysis is `generalised_alpha` or `radau`",
+                    "`generalised_alpha`: of second order, for machines with films and contacts; `radau`: of fifth order, for tight tolerances of smooth motions",
+                ),
+                _ => self.word_of(
+                    value,
+                    &Start::NAMED.map(|(word, _)| word),
+                    "`start` of an analysis is `quasi_static` or `assembled`",
+                    "`quasi_static`: pins and flexible bodies are where the loads of the steady motion hold them; `assembled`: where the text and the joints put them",
+                ),
             }
         }
         (given.into_iter().map(|(name, _)| name).collect(), others)
@@ -280,28 +295,21 @@ impl<'p> Checker<'p> {
         }
     }
 
-    /// `quasi_static` or `assembled`.
-    fn start_word(&mut self, value: &Expr) {
+    /// One of some words.
+    fn word_of(&mut self, value: &Expr, known: &[&str], title: &str, help: &str) {
         let word = match &value.kind {
             ExprKind::Name(name) => name.as_str(),
             ExprKind::Error => return,
             _ => "",
         };
-        let known = || Start::NAMED.iter().map(|(word, _)| *word);
-        if known().any(|start| start == word) {
+        if known.contains(&word) {
             return;
         }
-        let mut message = Diagnostic::error(
-            codes::ANALYSIS,
-            "`start` of an analysis is `quasi_static` or `assembled`",
-        )
-        .at(value.span, "neither of these words");
-        message = match nearest(word, known()) {
-            Some(near) => message
-                .meant(value.span, near),
-            None => message.with_help(
-                "`quasi_static`: pins and flexible bodies are where the loads of the steady motion hold them; `assembled`: where the text and the joints put them",
-            ),
+        let mut message =
+            Diagnostic::error(codes::ANALYSIS, title).at(value.span, "neither of these words");
+        message = match nearest(word, known.iter().copied()) {
+            Some(near) => message.meant(value.span, near),
+            None => message.with_help(help),
         };
         self.report(message);
     }
@@ -354,7 +362,7 @@ impl<'p> Checker<'p> {
 fn plain_type(takes: Takes) -> Type {
     let of = |dimension: Dimension| Type::Scalar(Quantity::hard(dimension));
     match takes {
-        Takes::Number | Takes::Start => Type::one(),
+        Takes::Number | Takes::Start | Takes::Method => Type::one(),
         // names have no type, and a condition has the names of its model
         Takes::Names(_) | Takes::Condition => Type::Error,
         Takes::Count => Type::Int,

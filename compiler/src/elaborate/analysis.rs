@@ -8,7 +8,7 @@ use crate::typed::kind_words::kind_word;
 use crate::typed::{TypedProgram, settable};
 use eng_grammar::ast::{self, BindingKind, ExprKind, Form, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span};
-use eng_system::analysis::{self, Argument, Given, Start, Takes, Unplanned};
+use eng_system::analysis::{self, Argument, Given, Method, Start, Takes, Unplanned};
 use eng_system::host::Host;
 use eng_system::system::{Analysis, AnalysisKind, Extent, Origin, PointValue};
 use eng_system::{Dimension, DisplayUnit};
@@ -241,6 +241,16 @@ impl<'a> Elaborator<'a, '_> {
                     _ => None,
                 };
                 self.checked(start, expr.span, "no start")
+            }
+            Takes::Method => {
+                let method = match &expr.kind {
+                    ExprKind::Name(word) => {
+                        let named = Method::NAMED.iter().find(|(name, _)| name == word);
+                        named.map(|(_, method)| analysis::Value::Method(*method))
+                    }
+                    _ => None,
+                };
+                self.checked(method, expr.span, "no method")
             }
             Takes::Condition => Ok(analysis::Value::Condition(
                 self.sources.text(expr.span).to_owned(),

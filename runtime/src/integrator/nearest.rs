@@ -20,9 +20,10 @@ impl Integrator {
     /// step outweighs the mass that it carries, x hardly changes the film's velocity and moves free parts
     /// instead. G is that of the kept matrix, so a part of `rates` remains.
     ///
-    /// Returns `false` and does not change `out` without kept factors, or if they give no number.
+    /// Returns `false` and does not change `out` without kept factors, with those of Radau IIA, which may belong to a position far
+    /// back, or if they give no number.
     pub fn nearest_change(&mut self, model: &Model, rates: &[f64], out: &mut [f64]) -> bool {
-        if self.factored_step.is_none() {
+        if self.factored_step.is_none() || self.is_radau() {
             return false;
         }
         let first = model.velocities + model.states;
@@ -63,7 +64,9 @@ impl Integrator {
         state: &mut State,
     ) -> Result<(), RuntimeError> {
         let length = self.current.time - self.previous.time;
-        let Some(step) = self.factored_step.filter(|step| length >= ACROSS * step) else {
+        // the interpolation of Radau IIA is more exact than this correction
+        let kept = (self.factored_step).filter(|step| length >= ACROSS * step && !self.is_radau());
+        let Some(step) = kept else {
             return Ok(());
         };
         let (n, weight) = (model.velocities, self.coefficients.weights(step).velocity);

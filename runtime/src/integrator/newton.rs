@@ -101,6 +101,12 @@ impl Integrator {
         tolerance: Option<f64>,
         moment: Moment,
     ) -> Result<Trial, RuntimeError> {
+        if let Some(mut radau) = self.radau.take() {
+            let control = (tolerance, moment);
+            let trial = self.try_radau(&mut radau, model, dynamics, h, control);
+            self.radau = Some(radau);
+            return trial;
+        }
         // The rows are scaled by βh², so the matrix depends little on h, and factors of a similar step serve.
         // The contraction decides whether they are good enough.
         if self
@@ -354,7 +360,7 @@ impl Integrator {
     /// accelerations to the increment. The remaining error is not random, because the kept matrix makes the
     /// same error at every step. It adds up over time like a load of that share. The goal is never below
     /// rounding.
-    fn goal(&self, h: f64) -> f64 {
+    pub(super) fn goal(&self, h: f64) -> f64 {
         let acceleration = self.largest(&self.current.acceleration);
         self.goal
             .absolute
@@ -365,14 +371,14 @@ impl Integrator {
     /// Rounding of the increment of a step h, in scaled unknowns: that of the motion in the step. Positions
     /// that constraints hold round to 1e-16 of the model's length at any step, so their iterations stagnate
     /// above this value.
-    fn floor(&self, h: f64) -> f64 {
+    pub(super) fn floor(&self, h: f64) -> f64 {
         ROUNDING * (h * self.largest(&self.current.velocity)).max(LEAST_MOTION)
     }
 
     /// Correction below which a ratio of corrections is meaningless. Positions that constraints hold round at
     /// any step. Without constraints only the motion in the step rounds, so a slow contraction far below the
     /// size of the model still counts.
-    fn noise(&self, model: &Model, h: f64) -> f64 {
+    pub(super) fn noise(&self, model: &Model, h: f64) -> f64 {
         if model.rows > 0 {
             // two digits above rounding a ratio of corrections is right within a per cent
             100.0 * ROUNDING
@@ -387,7 +393,7 @@ impl Integrator {
     }
 
     /// The error for a step without solution. It names the row with the largest residual.
-    fn stalled(&self, model: &Model, h: f64, moment: Moment) -> RuntimeError {
+    pub(super) fn stalled(&self, model: &Model, h: f64, moment: Moment) -> RuntimeError {
         let (worst, scaled) =
             self.residual
                 .iter()

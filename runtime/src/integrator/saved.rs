@@ -88,6 +88,9 @@ impl Integrator {
         for vibration in &self.vibrations {
             w.numbers(&vibration.numbers());
         }
+        if let Some(radau) = &self.radau {
+            w.numbers(&radau.numbers());
+        }
     }
 
     /// Reads the numbers that [`Integrator::save`] wrote, into an integrator of the same model.
@@ -134,6 +137,15 @@ impl Integrator {
             let mut numbers = [0.0; 8];
             r.numbers(&mut numbers)?;
             *vibration = Vibration::from_numbers(numbers);
+        }
+        if let Some(radau) = &mut self.radau {
+            let mut numbers = radau.numbers();
+            r.numbers(&mut numbers)?;
+            if !radau.set_numbers(&numbers, self.factored_step.is_some()) {
+                return Err(RuntimeError::Checkpoint {
+                    reason: "its matrix of stages has no factors".into(),
+                });
+            }
         }
         Ok(())
     }

@@ -118,7 +118,8 @@ impl Integrator {
         h: f64,
         factor: f64,
     ) {
-        let Some(kept) = self.factored_step else {
+        // Radau IIA resolves each vibration that matters, because its error control contains all modes
+        let Some(kept) = self.factored_step.filter(|_| !self.is_radau()) else {
             return;
         };
         let c = self.coefficients;

@@ -442,6 +442,10 @@ impl Simulation {
         self.integrator
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         let passed = (self.kinks).constrains_within(h, time, tolerance);
+        let work_of_stages = match self.integrator.is_radau() && self.options.energy {
+            true => Some((self.integrator).work_of_stages(&self.model, &mut self.dynamics, h)?),
+            false => None,
+        };
         self.integrator.accept(&self.model, h, time);
         self.dynamics.keep_memory(&self.model)?;
         self.kinks.accept(&self.model, h, self.at_kink);
@@ -472,7 +476,7 @@ impl Simulation {
         }
         let work = |i: usize| {
             let powers = [self.earlier_powers[i], old[i], self.powers[i]];
-            work_of_step(h, powers, earlier_step)
+            work_of_stages.map_or_else(|| work_of_step(h, powers, earlier_step), |work| work[i])
         };
         let (loads, constraints, damping) = (work(0), work(1), work(2));
         self.energy_before = [
@@ -554,8 +558,44 @@ impl Simulation {
             self.pass_defect(moment)?;
         }
         moment.time += h;
-        self.integrator
-            .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)
+        let trial =
+            self.integrator
+                .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)?;
+        match trial {
+            Trial::Solved { .. } if self.integrator.is_radau() => {
+                match self.complete_stages(moment) {
+                    Ok(()) => Ok(trial),
+                    Err(error @ RuntimeError::NotFinite { .. }) => {
+                        Ok(Trial::Failed(Box::new(error)))
+                    }
+                    Err(error) => Err(error),
+                }
+            }
+            trial => Ok(trial),
+        }
+    }
+
+    /// Completes the end of a step of Radau IIA: its velocity loses the part that violates the constraints, and its
+    /// accelerations, multipliers and rates are those of the balance. The dynamics are evaluated there.
+    ///
+    /// This part is of third order in the step. The measure is that of the masses at the end itself: with the kept matrix of an
+    /// earlier position a share of it would stay along the constraints, and the method would lose its order.
+    fn complete_stages(&mut self, moment: Moment) -> Result<(), RuntimeError> {
+        if self.model.rows > 0 {
+            let end = self.integrator.trial_state();
+            let (model, dynamics) = (&self.model, &mut self.dynamics);
+            self.system
+                .velocity_defect(model, dynamics, end, moment, &mut self.work)?;
+            let end = self.integrator.trial_state_mut();
+            for (v, off) in end.velocity.iter_mut().zip(&self.work) {
+                *v -= off;
+            }
+        }
+        let (model, dynamics) = (&self.model, &mut self.dynamics);
+        let end = self.integrator.trial_state_mut();
+        self.system.accelerations(model, dynamics, end, moment)?;
+        dynamics.set_state(model, end, &end.multipliers);
+        dynamics.evaluate(model)
     }
 
     /// A fixed step. It is halved if Newton's iteration fails. Whole steps continue as soon as the time is on
@@ -717,7 +757,7 @@ impl Simulation {
                     let reached = || self.kinks.reached_way(begin + h, factor);
                     self.at_kink = ends_at.filter(near).or_else(reached);
                     self.at_kink = self.at_kink.or_else(|| self.kinks.moment_behind(h));
-                    self.size.accepted(h, error);
+                    self.size.accepted(h, error, self.integrator.error_order());
                     self.keep_step_before_kink(proposed);
                     if shortened {
                         // a step that was cut at a kink, or at the middle before it, is no measure of the
@@ -737,7 +777,7 @@ impl Simulation {
                     {
                         return Err(self.below_rounding(error, factor));
                     }
-                    self.size.rejected(h, error);
+                    self.size.rejected(h, error, self.integrator.error_order());
                 }
                 Trial::Failed(error) => {
                     self.integrator.statistics.failed += 1;

@@ -13,7 +13,7 @@ use eng_runtime::shape::MarkerShape;
 use eng_runtime::{Moment, Options, Simulation};
 use eng_system::code::Compiled;
 use eng_system::reduced::{Geometric, Invariants, MarkerStiffness, ReducedBody, ReducedMarker};
-use eng_system::system::{Origin, Role, StepControl};
+use eng_system::system::{Method, Origin, Role, StepControl};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -613,7 +613,7 @@ fn a_free_flexible_body_keeps_momentum_and_energy() {
     let drift = |h: f64| {
         let options = Options {
             step: StepControl::Fixed(h),
-            rho_infinity: 1.0,
+            method: Method::GeneralisedAlpha { rho_infinity: 1.0 },
             ..Options::default()
         };
         let mut s = Simulation::new(&compiled, &[], options).unwrap();
@@ -674,7 +674,7 @@ fn the_centre_of_a_free_flexible_body_goes_straight_on() {
     let miss = |step: StepControl| {
         let options = Options {
             step,
-            rho_infinity: 1.0,
+            method: Method::GeneralisedAlpha { rho_infinity: 1.0 },
             ..Options::default()
         };
         let mut s = Simulation::new(&compiled, &[], options).unwrap();
@@ -941,7 +941,7 @@ fn a_chain_on_markers_of_second_order_keeps_energy() {
     let drift = |h: f64| {
         let options = Options {
             step: StepControl::Fixed(h),
-            rho_infinity: 0.95,
+            method: Method::GeneralisedAlpha { rho_infinity: 0.95 },
             ..Options::default()
         };
         let mut s = Simulation::new(&compiled, &[], options).unwrap();
@@ -969,7 +969,7 @@ fn a_free_body_with_geometric_stiffness_keeps_energy() {
     let drift = |h: f64| {
         let options = Options {
             step: StepControl::Fixed(h),
-            rho_infinity: 1.0,
+            method: Method::GeneralisedAlpha { rho_infinity: 1.0 },
             ..Options::default()
         };
         let mut s = Simulation::new(&compiled, &[], options).unwrap();
@@ -1022,7 +1022,7 @@ fn modes_above_the_step_do_not_control_it() {
             absolute: 1e-12,
             relative: 1e-9,
         };
-        let mut integrator = Integrator::new(&model, &state, 0.8, goal).unwrap();
+        let mut integrator = Integrator::new(&model, &state, Method::default(), goal).unwrap();
         let still = vec![0.0; model.velocities];
         integrator.start(&still, &still, &[], &[]);
         let mut dynamics = Dynamics::new(&model);

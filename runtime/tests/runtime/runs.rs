@@ -7,7 +7,7 @@ use eng_runtime::{
     Advance, Observer, Options, RuntimeError, Sample, Simulation, Verdict, Warning, run_transient,
 };
 use eng_system::code::Compiled;
-use eng_system::system::{Extent, Integration, Role, Start, StepControl, Transient};
+use eng_system::system::{Extent, Integration, Method, Role, Start, StepControl, Transient};
 use std::ops::ControlFlow;
 
 #[derive(Default)]
@@ -65,7 +65,7 @@ fn transient(duration: Extent, sample: Extent, step: StepControl) -> Transient {
         sample,
         integration: Integration {
             step,
-            rho_infinity: 0.8,
+            method: Method::GeneralisedAlpha { rho_infinity: 0.8 },
             start: Start::Assembled,
         },
         gradients: Vec::new(),

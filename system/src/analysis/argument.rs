@@ -1,6 +1,6 @@
 //! The arguments of analyses: types, units, limits, and their values on the way into a plan.
 
-use super::{Extent, Integration, Named, Names, Start, StepControl};
+use super::{Extent, Integration, Method, Named, Names, PLAIN_RHO, Start, StepControl};
 use crate::kinds;
 use std::f64::consts::PI;
 
@@ -40,6 +40,8 @@ pub enum Takes {
     Switch,
     /// A word of [`Start::NAMED`].
     Start,
+    /// A word of [`Method::NAMED`].
+    Method,
     /// Names of inputs, channels or parameters.
     Names(Names),
     /// A condition on the motion, with the names of the model.
@@ -90,6 +92,8 @@ pub enum Value {
     Switch(bool),
     /// The kind of start.
     Start(Start),
+    /// The method of integration.
+    Method(Method),
     /// Names of inputs, channels or parameters.
     Names(Vec<Named>),
     /// A condition, as written. It belongs to the model, which elaboration makes.
@@ -143,8 +147,12 @@ impl Given {
     pub fn integration(&self, unstated: Start) -> Integration {
         Integration {
             step: self.steps(),
-            // as the default of the runtime, which states the reason
-            rho_infinity: self.number(RHO.name).unwrap_or(0.8),
+            method: match self.find(INTEGRATOR.name) {
+                Some(Value::Method(Method::Radau)) => Method::Radau,
+                _ => Method::GeneralisedAlpha {
+                    rho_infinity: self.number(RHO.name).unwrap_or(PLAIN_RHO),
+                },
+            },
             start: match self.find(START.name) {
                 Some(Value::Start(start)) => *start,
                 _ => unstated,
@@ -266,6 +274,14 @@ pub(super) const START: Argument = argument(
     "",
     &[],
     "how the motion begins: `quasi_static` or `assembled`",
+);
+
+pub(super) const INTEGRATOR: Argument = argument(
+    "integrator",
+    Takes::Method,
+    "",
+    &[],
+    "the method: `generalised_alpha`, the default, or `radau` for tight tolerances of smooth motions",
 );
 
 impl Start {

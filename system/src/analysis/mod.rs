@@ -220,13 +220,58 @@ pub enum Start {
     Assembled,
 }
 
+/// The method of an integration in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Generalised-α, of second order.
+    GeneralisedAlpha {
+        /// Spectral radius at infinite frequency, 0…1.
+        rho_infinity: f64,
+    },
+    /// Radau IIA with three stages, of fifth order.
+    Radau,
+}
+
+impl Method {
+    /// The words that state a method.
+    pub const NAMED: [(&'static str, Method); 2] = [
+        (
+            "generalised_alpha",
+            Method::GeneralisedAlpha {
+                rho_infinity: PLAIN_RHO,
+            },
+        ),
+        ("radau", Method::Radau),
+    ];
+
+    /// The spectral radius of generalised-α.
+    pub fn rho_infinity(self) -> f64 {
+        match self {
+            Method::GeneralisedAlpha { rho_infinity } => rho_infinity,
+            Method::Radau => PLAIN_RHO,
+        }
+    }
+}
+
+impl Default for Method {
+    fn default() -> Method {
+        Method::GeneralisedAlpha {
+            rho_infinity: PLAIN_RHO,
+        }
+    }
+}
+
+/// Spectral radius without a statement. A choice: the multipliers' errors decay to a thousandth in thirty steps, and
+/// vibrations of 25 and more steps per period lose little.
+pub const PLAIN_RHO: f64 = 0.8;
+
 /// The settings of an integration in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integration {
     /// Fixed steps or error control.
     pub step: StepControl,
-    /// Spectral radius at infinite frequency, 0…1.
-    pub rho_infinity: f64,
+    /// The method.
+    pub method: Method,
     /// The kind of start.
     pub start: Start,
 }

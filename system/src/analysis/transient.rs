@@ -1,11 +1,12 @@
 //! `transient`: the motion in time.
 
 use super::argument::{
-    PLAIN_ANGLE, PLAIN_SAMPLES, POSITIVE, RHO, START, STEP, TOLERANCE, argument, too_many_samples,
+    INTEGRATOR, PLAIN_ANGLE, PLAIN_SAMPLES, POSITIVE, RHO, START, STEP, TOLERANCE, argument,
+    too_many_samples,
 };
 use super::{
-    AnalysisKind, Apart, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Named,
-    Names, Rows, Start, Takes, Unplanned,
+    AnalysisKind, Apart, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Method,
+    Named, Names, Rows, Start, Takes, Unplanned,
 };
 
 /// The argument with the condition that ends a run.
@@ -34,6 +35,7 @@ pub(super) const ROW: KindRow = KindRow {
     arguments: &[
         STEP,
         TOLERANCE,
+        INTEGRATOR,
         RHO,
         Argument {
             required: true,
@@ -93,13 +95,55 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
             help: "sample more coarsely, or run for a shorter time",
         });
     }
+    let integration = given.integration(Start::Automatic);
+    let gradients = given.names("gradients").unwrap_or_default();
+    if integration.method == Method::Radau {
+        only_with_alpha(given, &gradients)?;
+    }
     Ok(AnalysisKind::Transient(Transient {
         duration,
         sample,
-        integration: given.integration(Start::Automatic),
-        gradients: given.names("gradients").unwrap_or_default(),
+        integration,
+        gradients,
         stop: given.condition(STOP),
     }))
+}
+
+/// Refuses arguments that Radau IIA does not take.
+fn only_with_alpha(given: &Given, gradients: &[Named]) -> Result<(), Unplanned> {
+    let refuse = |argument, title, label, help| {
+        Err(Unplanned::Refused {
+            argument,
+            title,
+            label,
+            help,
+        })
+    };
+    if given.number(STEP.name).is_some() {
+        return refuse(
+            STEP.name,
+            "`integrator: radau` chooses its steps by their error",
+            "a fixed step",
+            "leave `step` out, and state a `tolerance`",
+        );
+    }
+    if given.number(RHO.name).is_some() {
+        return refuse(
+            RHO.name,
+            "`integrator: radau` has no spectral radius",
+            "a coefficient of generalised-α",
+            "leave `rho` out",
+        );
+    }
+    if !gradients.is_empty() {
+        return refuse(
+            "gradients",
+            "`gradients` follow the steps of generalised-α alone",
+            "not with `integrator: radau`",
+            "leave `integrator` out for this analysis",
+        );
+    }
+    Ok(())
 }
 
 impl Kind for Transient {

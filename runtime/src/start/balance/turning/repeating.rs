@@ -42,6 +42,7 @@ use crate::start::motion::{SteadyMotion, modal};
 use crate::state::{State, move_pose, offset};
 use eng_system::dense::{largest, largest_difference};
 use eng_system::significant::short;
+use eng_system::system::Method;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -147,7 +148,10 @@ impl Follower {
             absolute: GOAL * model.tolerance / model.length,
             relative: 0.0,
         };
-        let mut integrator = Integrator::new(model, state, RADIUS, goal)?;
+        let method = Method::GeneralisedAlpha {
+            rho_infinity: RADIUS,
+        };
+        let mut integrator = Integrator::new(model, state, method, goal)?;
         let still = vec![0.0; model.velocities];
         integrator.start(
             &still,
