@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 
 type C = nalgebra::Complex<f64>;
 
-/// The example: a six-cylinder train with a rubber damper at its nose and a flywheel of constant speed.
+/// The example: a six-cylinder train with a damper at its nose and a flywheel of constant speed.
 const SIX: &str = include_str!("../examples/torsion_six/torsion_six.eng");
 
 /// Complex stiffness of the rubber.
@@ -22,12 +22,43 @@ fn rubber(s: C) -> C {
     branches.iter().sum::<C>() + 30e3
 }
 
+/// Complex stiffness of the silicone oil: a spring and a damper in series.
+fn silicone(s: C) -> C {
+    let (damping, stiffness) = (120.0, 120e3);
+    s * damping * stiffness / (s * damping + stiffness)
+}
+
+/// Vibration of the two pendulums of the example over that of the nose, and the torque by which they load the nose over its angle. A bob of
+/// the mass m on a link l at the radius R obeys `m l² (φ″ + θ″) + m R l θ″ + m R l Ω² φ + c l² φ′ = 0` for small swings φ.
+fn pendulums(s: C, speed: f64) -> (C, C) {
+    let (mass, radius, damping, inertia) = (4.0, 0.15, 100.0, 4e-3);
+    let link = radius / 9.0;
+    let (both, square) = (mass * link * (radius + link), link * link);
+    let own = s * s * mass * square + s * damping * square + mass * radius * link * speed * speed;
+    let swing = -s * s * both / own;
+    let around = mass * (radius + link) * (radius + link) + inertia;
+    (swing, s * s * (swing * both + around))
+}
+
+/// What is at the nose of the crank.
+#[derive(Clone, Copy)]
+enum Damper {
+    Bare,
+    Ring { inertia: f64, stiffness: fn(C) -> C },
+    Pendulums,
+}
+
 /// Angles of ring, nose and throws against the flywheel under torques `torque e^(iw(t - t_k))` on the throws.
-fn six_by_hand(speed: f64, order: f64, torque: f64) -> DVector<C> {
+fn six_by_hand(speed: f64, order: f64, torque: f64, damper: Damper) -> DVector<C> {
     let omega = order * speed;
     let s = C::new(0.0, omega);
     let shaft = s * 20.0 + 1.2e6;
-    let mut ends = vec![(0, 1, rubber(s))];
+    // without a ring its place is one for itself
+    let (ring, held) = match damper {
+        Damper::Ring { inertia, stiffness } => (inertia, stiffness(s)),
+        Damper::Bare | Damper::Pendulums => (1.0, C::from(0.0)),
+    };
+    let mut ends = vec![(0, 1, held)];
     ends.extend((1..7).map(|i| (i, i + 1, shaft)));
     ends.push((7, 8, shaft));
     ends.extend((2..8).map(|i| (i, 8, s * 2.0)));
@@ -38,9 +69,12 @@ fn six_by_hand(speed: f64, order: f64, torque: f64) -> DVector<C> {
         a[(i, j)] -= k;
         a[(j, i)] -= k;
     }
-    let inertia = [0.06, 0.02, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05];
+    let inertia = [ring, 0.02, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05];
     for (i, inertia) in inertia.iter().enumerate() {
         a[(i, i)] -= C::from(omega * omega * inertia);
+    }
+    if let Damper::Pendulums = damper {
+        a[(1, 1)] += pendulums(s, speed).1;
     }
     let phases = [0.0, 480.0, 240.0, 600.0, 120.0, 360.0_f64];
     let mut load = DVector::<C>::zeros(8);
@@ -51,34 +85,141 @@ fn six_by_hand(speed: f64, order: f64, torque: f64) -> DVector<C> {
     inner.lu().solve(&load).expect("a damped train")
 }
 
-/// The steady torsion of the train: orders 1.5 and 3 at the nose and in the rubber against the linear
-/// equations in complex numbers, below, in and above the first resonance.
+/// The two orders of the example's gas, and their torques.
+const ORDERS: [(f64, f64); 2] = [(1.5, 350.0), (3.0, 200.0)];
+
+/// An order of a channel over the crank angle.
+fn order_of(results: &Results, path: &str, order: f64) -> C {
+    let angle = column(results, "cycle.angle");
+    let phases: Vec<f64> = angle.iter().map(|angle| order * angle).collect();
+    line(column(results, path).iter().copied(), &phases)
+}
+
+/// The steady torsion of the train with each of its rings: orders 1.5 and 3 at the nose and in the damper against the linear equations in
+/// complex numbers, below, in and above the first resonance.
 #[test]
 fn a_crank_train_twists_as_its_linear_equations_say() {
-    let mut highest = [0.0_f64; 4];
-    for (k, rpm) in [1200.0, 2400.0, 3000.0, 4000.0].into_iter().enumerate() {
+    let rings: [(&str, &str, f64, fn(C) -> C); 2] = [
+        ("rubber_ring", "rubber.torque", 0.06, rubber),
+        ("viscous_ring", "silicone.torque", 0.12, silicone),
+    ];
+    for (name, pulled, inertia, stiffness) in rings {
+        let damper = Damper::Ring { inertia, stiffness };
+        let mut highest = [0.0_f64; 4];
+        for (k, rpm) in [1200.0, 2400.0, 3000.0, 4000.0].into_iter().enumerate() {
+            let text = format!(
+                "{SIX}\nanalysis run = periodic(Six(speed: {rpm} rpm, damper: {name}), sample: 1 deg, change: 0.01 %)"
+            );
+            let results = run(&text, "run");
+            let speed = rpm * TAU / 60.0;
+            for (order, torque) in ORDERS {
+                let due = six_by_hand(speed, order, torque, damper);
+                let pull = -stiffness(C::new(0.0, order * speed)) * (due[0] - due[1]);
+                for (path, due) in [("twist", due[1]), (pulled, pull)] {
+                    let found = order_of(&results, path, order);
+                    let miss = (found - due).norm() / due.norm();
+                    println!("{rpm} rpm, order {order}, {path}: {found} for {due}, {miss:.1e}");
+                    assert!(miss < 2e-3, "{rpm} rpm, order {order}, {path}: {miss:.1e}");
+                }
+                if order == 3.0 {
+                    highest[k] = due[1].norm();
+                }
+            }
+        }
+        // the speeds lie on both sides of the first resonance of the third order; that with the rubber is a pair
+        assert!(highest[1] > 1.5 * highest[0], "{name}: {highest:?}");
+        assert!(name != "rubber_ring" || highest[1] > 2.0 * highest[2]);
+    }
+}
+
+/// Pendulums of order 3 at the nose under a tenth of the gas, so that they swing by less than 1°: the nose hardly moves in this order, and
+/// order 1.5 has a flywheel more. Larger swings mix both orders: with the whole gas order 1.5 departs from the equations by 1 to 2 %.
+#[test]
+fn pendulums_hold_the_nose_of_a_crank_train() {
+    let weak = SIX.replace("low: 350 N*m, high: 200 N*m", "low: 35 N*m, high: 20 N*m");
+    assert_ne!(weak, SIX);
+    for rpm in [3400.0, 4200.0] {
         let text = format!(
-            "{SIX}\nanalysis run = periodic(Six(speed: {rpm} rpm), sample: 1 deg, change: 0.01 %)"
+            "{weak}\nanalysis run = periodic(Six(speed: {rpm} rpm, damper: pendulums), sample: 1 deg, cycles: 60, change: 0.1 %)"
         );
         let results = run(&text, "run");
-        let angle = column(&results, "cycle.angle");
-        for (order, torque) in [(1.5, 350.0), (3.0, 200.0)] {
-            let due = six_by_hand(rpm * TAU / 60.0, order, torque);
-            let phases: Vec<f64> = angle.iter().map(|angle| order * angle).collect();
-            let pull = -rubber(C::new(0.0, order * rpm * TAU / 60.0)) * (due[0] - due[1]);
-            for (path, due) in [("twist", due[1]), ("rubber.torque", pull)] {
-                let found = line(column(&results, path).iter().copied(), &phases);
-                let miss = (found - due).norm() / due.norm();
-                println!("{rpm} rpm, order {order}, {path}: {found} for {due}, {miss:.1e}");
-                assert!(miss < 2e-3, "{rpm} rpm, order {order}, {path}: {miss:.1e}");
+        let speed = rpm * TAU / 60.0;
+        for (order, torque) in ORDERS {
+            let due = six_by_hand(speed, order, torque / 10.0, Damper::Pendulums)[1];
+            let bare = six_by_hand(speed, order, torque / 10.0, Damper::Bare)[1].norm();
+            let swing = pendulums(C::new(0.0, order * speed), speed).0 * due;
+            for (path, due, share) in [
+                ("twist", due, 1e-2 * due.norm().max(0.1 * bare)),
+                ("pendulum[1].swing", swing, 1e-2 * swing.norm()),
+            ] {
+                let found = order_of(&results, path, order);
+                println!("{rpm} rpm, order {order}, {path}: {found} for {due}, share {share}");
+                assert!(
+                    (found - due).norm() < share,
+                    "{rpm} rpm, order {order}, {path}: {found} for {due}"
+                );
             }
+            let part = due.norm() / bare;
             if order == 3.0 {
-                highest[k] = due[1].norm();
+                assert!(part < 0.03, "{rpm} rpm: {part}");
+            } else {
+                assert!(part > 1.2, "{rpm} rpm: {part}");
             }
         }
     }
-    // the speeds lie on both sides of the first resonance of the third order
-    assert!(highest[1] > 2.0 * highest[0] && highest[1] > 2.0 * highest[2]);
+}
+
+/// A disc on a spring with a ring in oil, as J. P. Den Hartog (Mechanical Vibrations (1956), 3.3) has it, with the ratio μ of both inertias:
+/// at `ω² = 2/(2 + μ) k/J` the amplitude is `(2 + μ)/μ` of the static one for every damping. At the damping
+/// `2 J_ring √(k/J)/√(2 (1 + μ)(2 + μ))` this is the peak, and the lowest of all peaks. The oil is a damper here: its spring is stiff.
+#[test]
+fn a_viscous_damper_has_its_lowest_peak_at_den_hartogs_damping() {
+    let (stiffness, inertia, ring) = (2e5_f64, 0.16, 0.12);
+    let ratio = ring / inertia;
+    let natural = (stiffness / inertia).sqrt();
+    let crossing = natural * (2.0 / (2.0 + ratio)).sqrt() / TAU;
+    let lowest = (2.0 + ratio) / ratio;
+    let optimum = 2.0 * ring * natural / (2.0 * (1.0 + ratio) * (2.0 + ratio)).sqrt();
+    let peaks = [0.7, 1.0, 1.4].map(|factor| {
+        let damping = factor * optimum;
+        let text = format!(
+            "use std.drivelines.ViscousDamper
+            use std.forces.TorsionSpring
+            use std.joints.Revolute
+            force Shake(a: Marker, b: Marker, load: Torque) {{ apply torque load*b.z on a against b }}
+            model Damped {{
+                input shaker: Torque = 0 N*m
+                gravity = [0, 0, 0] m/s^2
+                marker frame = [0, 0, 0] mm
+                body disc {{ mass = 5 kg; inertia = [80, 80, {}] g*m^2; marker hub = origin }}
+                body ring {{ mass = 5 kg; inertia = [60, 60, {}] g*m^2; marker hub = origin }}
+                joint bearing = Revolute(disc.hub, frame)
+                joint bush = Revolute(ring.hub, disc.hub)
+                force shaft = TorsionSpring(disc.hub, frame, stiffness: {stiffness} N*m/rad)
+                force oil = ViscousDamper(ring.hub, disc.hub, damping: {damping} N*m*s/rad, stiffness: {} N*m/rad)
+                force shake = Shake(disc.hub, frame, load: shaker)
+                output twist = rotation(disc.hub, frame) as rad
+            }}
+            analysis run = response(Damped(), to: shaker, of: twist, from: {} Hz, up_to: {} Hz, points: 4000)",
+            1e3 * inertia,
+            1e3 * ring,
+            1e8 * damping,
+            0.8 * crossing,
+            1.25 * crossing
+        );
+        let results = run(&text, "run");
+        let (hertz, twist) = (column(&results, "frequency"), column(&results, "twist"));
+        let at = hertz.iter().position(|hertz| *hertz >= crossing).expect("a row");
+        let share = (crossing - hertz[at - 1]) / (hertz[at] - hertz[at - 1]);
+        let crossed = twist[at - 1] + share * (twist[at] - twist[at - 1]);
+        close("at the crossing", crossed * stiffness, lowest, 1e-4);
+        largest(twist) * stiffness
+    });
+    close("lowest peak", peaks[1], lowest, 1e-4);
+    assert!(
+        peaks[0] > 1.05 * lowest && peaks[2] > 1.05 * lowest,
+        "{peaks:?}"
+    );
 }
 
 /// Two pendulums of length l at the radius R on a carrier of the inertia J are, for a torque of the order n,

@@ -1,7 +1,8 @@
 //! Examples of the gallery against closed forms, linear equations and an independent integrator.
 
+use crate::library_levers::Finger;
 use crate::library_run::{
-    close, column, compared, integral, integrate, line, run, statistics, stop,
+    close, column, compared, integral, integrate, last, line, run, statistics, stop,
 };
 use crate::library_thrust::sliding_pad;
 use eng::results::Results;
@@ -49,6 +50,39 @@ fn a_fan_starts_in_the_time_of_its_quadrature() {
             column(&results, "slack.load")[at],
         ];
         close("belt", (spans[0] - spans[1]) * 0.1, due, 1e-3);
+    }
+}
+
+/// The swing, let go at three angles: the way down lasts `K(sin(a/2))/ω`, K by the arithmetic-geometric mean; speed by energy and pull by
+/// Newton's equations at every sample.
+#[test]
+fn a_swing_swings_as_its_elliptic_integral_says() {
+    let text = include_str!("../examples/swing/swing.eng");
+    let (mass, length, gravity): (f64, f64, f64) = (30.0, 2.0, 9.81);
+    let inertia = 1.5 + mass * length * length;
+    let pull = mass * gravity * length / inertia;
+    for (place, degrees) in [(1, 10.0_f64), (2, 60.0), (3, 120.0)] {
+        let begin = degrees.to_radians();
+        let (mut a, mut b) = (1.0, (begin / 2.0).cos());
+        for _ in 0..8 {
+            (a, b) = ((a + b) / 2.0, (a * b).sqrt());
+        }
+        let results = run(text, &format!("release[{place}]"));
+        let (time, angle) = (column(&results, "time"), column(&results, "hinge.angle"));
+        let at = angle.iter().position(|angle| *angle < 0.0).expect("a way");
+        let share = angle[at - 1] / (angle[at - 1] - angle[at]);
+        let down = time[at - 1] + share * (time[at] - time[at - 1]);
+        close("way down", down, PI / 2.0 / a / pull.sqrt(), 5e-5);
+        let due: Vec<[f64; 2]> = angle
+            .iter()
+            .map(|angle| {
+                let square = 2.0 * pull * (angle.cos() - begin.cos()).max(0.0);
+                let along = gravity * angle.cos() + length * square;
+                let across = (gravity - length * pull) * angle.sin();
+                [length * square.sqrt(), mass * along.hypot(across)]
+            })
+            .collect();
+        follows(&results, &due, &[("speed", 5e-4), ("pull", 1e-4)]);
     }
 }
 
@@ -443,6 +477,47 @@ fn a_valve_moves_as_another_integrator_says() {
     }
 }
 
+/// The ball of the lash adjuster sinks while the valve is open, with hot and with cold oil: its push by inverse dynamics of the finger, the
+/// trapped oil by its compressibility and Hagen and Poiseuille's flow through the gap.
+#[test]
+fn a_lash_adjuster_sinks_by_its_leak() {
+    let text = include_str!("../examples/valvetrain/finger.eng");
+    let area = PI / 4.0 * 0.011 * 0.011;
+    // way of the ball over pressure, by the compressed oil
+    let compliance = 0.3e-6 / (1.2e9 * area);
+    for (analysis, viscosity) in [("hot[1]", 0.01), ("cold", 0.06)] {
+        let results = run(text, analysis);
+        let [time, cam, ball, lift] =
+            ["time", "cycle.angle", "ball_height", "valve.lift"].map(|path| column(&results, path));
+        // after the contacts have come to rest
+        let open = |lift: &f64| *lift > 2e-3;
+        let first = lift.iter().position(open).expect("an open valve");
+        let end = lift.iter().rposition(open).expect("an open valve");
+        let flow = PI * 0.011 * 6e-6_f64.powi(3) / (12.0 * viscosity * 8e-3);
+        let pressure = |k: usize| {
+            let (ball, half) = (ball[k], PI / 3.0);
+            (Finger { ball, half }.ball_push(cam[k], 20.0 * PI) - 20.0) / area
+        };
+        let start = pressure(first);
+        let (mut leak, mut before, mut miss, mut size) = (0.0, start, 0.0, 0.0);
+        for k in first + 1..=end {
+            let now = pressure(k);
+            leak += flow * (before + now) / 2.0 * (time[k] - time[k - 1]) / area;
+            before = now;
+            let due = -leak - (now - start) * compliance;
+            miss += (ball[k] - ball[first] - due).powi(2);
+            size += due * due;
+        }
+        let miss = (miss / size).sqrt();
+        println!("{analysis}: leak {leak:.3e} m, miss {miss:.1e}");
+        assert!(miss < 1e-2, "{analysis}: {miss}");
+        let sunk = ball[first] - ball[end];
+        let due = leak + (before - start) * compliance;
+        println!("{analysis}: sinks by {sunk} for {due}");
+        assert!((sunk / due - 1.0).abs() < 1e-2, "{sunk} for {due}");
+    }
+}
+
 const DRIVELINE: &str = include_str!("../examples/driveline/driveline.eng");
 /// Inertia of the engine, of the gearbox, and stiffness between them, of the example `driveline`.
 const DUAL: [f64; 3] = [0.1, 0.08, 350.0];
@@ -525,6 +600,62 @@ fn a_loose_gear_rattles_behind_a_solid_flywheel_alone() {
             compared(statistics(found), statistics(&due), [0.2, 0.2, 0.08, 0.08]);
         }
     }
+}
+
+/// The car that starts: slip, torque of the shaft and heat of the clutch by another integrator; the sum of the moments of momentum is that
+/// of the engine's torque.
+#[test]
+fn a_car_starts_as_another_integrator_says() {
+    let (engine, input, car) = (0.16, 0.02, 0.75);
+    let capacity = |t: f64| {
+        let share = (t / 0.5).clamp(0.0, 1.0);
+        150.0 * share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share)
+    };
+    // twist of the shaft, speeds of engine, input and car, heat
+    let motion = |t: f64, y: &[f64; 5]| {
+        let clutch = capacity(t) * (y[1] - y[2]).tanh();
+        let shaft = 300.0 * y[0] + y[2] - y[3];
+        [
+            y[2] - y[3],
+            (80.0 - clutch) / engine,
+            (clutch - shaft) / input,
+            shaft / car,
+            clutch * (y[1] - y[2]),
+        ]
+    };
+    let results = run(DRIVELINE, "launch");
+    let begin = 1500.0 * TAU / 60.0;
+    let mut y = [0.0, begin, 0.0, 0.0, 0.0];
+    let mut due = Vec::new();
+    let time = column(&results, "time");
+    for k in 0..time.len() {
+        due.push([y[1] - y[2], -300.0 * y[0] - (y[2] - y[3]), y[3]]);
+        if let Some(next) = time.get(k + 1) {
+            y = integrate(&motion, y, time[k], (next - time[k]) / 50.0, 50);
+        }
+    }
+    let paths = [
+        ("slip", 1e-4),
+        ("shaft.torque", 1e-3),
+        ("car_bearing.speed", 1e-4),
+    ];
+    follows(&results, &due, &paths);
+    close(
+        "heat",
+        integral(time, column(&results, "clutch.power_loss")),
+        y[4],
+        1e-4,
+    );
+    let end = |path: &str| last(&results, path);
+    let momentum = engine * end("engine_bearing.speed")
+        + input * end("input_bearing.speed")
+        + car * end("car_bearing.speed");
+    close(
+        "momentum",
+        momentum,
+        engine * begin + 80.0 * end("time"),
+        1e-6,
+    );
 }
 
 /// Loads of the four ends of the skirt of the example `piston_slap`: side of the wall, lever about the pin's height, load, heat.

@@ -66,9 +66,9 @@ fn polynomial(angle: f64, lift: f64, half: f64) -> (f64, f64) {
 }
 
 /// A finger whose ball is at a height on the y axis, under a cam of half an opening.
-struct Finger {
-    ball: f64,
-    half: f64,
+pub struct Finger {
+    pub ball: f64,
+    pub half: f64,
 }
 
 impl Finger {
@@ -91,37 +91,56 @@ impl Finger {
         STEM + TIP_RADIUS + tip_gap - self.ball - turned(TIP, self.turn(cam, gap))[1]
     }
 
-    /// Arms of the contact with the cam and of that with the valve about the ball.
-    fn arms(&self, cam: f64, gap: f64) -> (f64, f64) {
-        let turn = self.turn(cam, gap);
+    /// Direction of the push of the cam on the roller.
+    fn normal(&self, cam: f64, turn: f64) -> Point {
         let arm = self.arm_from_cam(turn);
         let distance = arm[0].hypot(arm[1]);
         let (_, slope) = polynomial(arm[1].atan2(arm[0]) - cam, LIFT, self.half);
         let lean = slope / distance;
         let steep = lean.hypot(1.0) * distance;
-        let normal = [
+        [
             (arm[0] + lean * arm[1]) / steep,
             (arm[1] - lean * arm[0]) / steep,
-        ];
+        ]
+    }
+
+    /// Arms of the contact with the cam and of that with the valve about the ball.
+    fn arms(&self, cam: f64, gap: f64) -> (f64, f64) {
+        let turn = self.turn(cam, gap);
         (
-            moment(turned(CAM_SIDE, turn), normal),
+            moment(turned(CAM_SIDE, turn), self.normal(cam, turn)),
             moment(turned(TIP, turn), [0.0, 1.0]),
         )
     }
 
-    /// Load between cam and roller at a speed of the cam: the valve of 80 g, the finger of 60 g and 20 kg mm².
-    fn load(&self, cam: f64, speed: f64) -> f64 {
+    /// Turn of the finger with its rate and its acceleration, at a speed of the cam.
+    fn motion(&self, cam: f64, speed: f64) -> [f64; 3] {
         let h = 1e-3;
         let f: [f64; 5] = std::array::from_fn(|k| self.turn(cam + (k as f64 - 2.0) * h, 0.0));
         let rate = speed * (f[0] - 8.0 * f[1] + 8.0 * f[3] - f[4]) / (12.0 * h);
         let bend =
             speed * speed * (16.0 * (f[1] + f[3]) - f[0] - f[4] - 30.0 * f[2]) / (12.0 * h * h);
-        let tip = turned(TIP, f[2]);
+        [f[2], rate, bend]
+    }
+
+    /// Loads between cam and roller and between tip and stem at a speed of the cam: the valve of 80 g, the finger of 60 g and 20 kg mm².
+    fn loads(&self, cam: f64, speed: f64) -> [f64; 2] {
+        let [turn, rate, bend] = self.motion(cam, speed);
+        let tip = turned(TIP, turn);
         let sinking = tip[1] * rate * rate - tip[0] * bend;
         let on_tip = PRELOAD + SPRING * self.lift(cam, 0.0, 0.0) + 0.08 * sinking;
         let inertia = 20e-6 + 0.06 * (0.020_f64.powi(2) + 0.003_f64.powi(2));
         let (cam_arm, valve_arm) = self.arms(cam, 0.0);
-        (inertia * bend - on_tip * valve_arm) / cam_arm
+        [(inertia * bend - on_tip * valve_arm) / cam_arm, on_tip]
+    }
+
+    /// Push of the ball on the finger along the adjuster: Newton's equation of the finger.
+    pub fn ball_push(&self, cam: f64, speed: f64) -> f64 {
+        let [turn, rate, bend] = self.motion(cam, speed);
+        let center = turned([0.020, 0.003], turn);
+        let rising = center[0] * bend - center[1] * rate * rate;
+        let [on_roller, on_tip] = self.loads(cam, speed);
+        0.06 * rising - on_roller * self.normal(cam, turn)[1] - on_tip
     }
 }
 
@@ -340,7 +359,7 @@ fn a_roller_leaves_its_cam_where_inertia_says() {
         (380..700)
             .map(|k| f64::from(k).to_radians() / 2.0)
             .filter(|cam| finger.lift(*cam, 0.0, 0.0) > 0.5e-3)
-            .map(|cam| finger.load(cam, rpm * TAU / 60.0))
+            .map(|cam| finger.loads(cam, rpm * TAU / 60.0)[0])
             .fold(f64::MAX, f64::min)
     };
     let jump = root(&least, 2500.0, 4000.0);
@@ -367,7 +386,7 @@ fn a_roller_leaves_its_cam_where_inertia_says() {
             .zip(column(slow, "train.cam_contact.load")),
     ) {
         if *lift > 0.5e-3 {
-            worst = worst.max((load / finger.load(*cam, 10.0 * PI) - 1.0).abs());
+            worst = worst.max((load / finger.loads(*cam, 10.0 * PI)[0] - 1.0).abs());
         }
     }
     println!("load at 300 rpm: {worst:.1e}");
