@@ -166,7 +166,7 @@ fn the_flexible_body_of_the_reference_is_one() {
         .find(|block| block.starts_with("flexible "))
         .expect("a flexible body");
     let text = format!(
-        "use std.journals.Impedance\nmodel Engine {{\n gravity = [0, 0, 0] m/s^2\n marker shell[j in 1..5] = [0, 0, 92*(j - 3)] mm\n {block}\n \
+        "use std.journals.Impedance\nmodel Engine {{\n accept unloaded\n gravity = [0, 0, 0] m/s^2\n marker shell[j in 1..5] = [0, 0, 92*(j - 3)] mm\n {block}\n \
          journal main[j in 1..5] = Impedance(pin: crank.main[j], shell: shell[j], diameter: 54 mm, width: 20 mm, radial_clearance: 27 um, viscosity: 10 mPa*s)\n \
          output turn = dot(crank.flange.angular_velocity, ground.z)\n output pins[i in 1..4] = dot(crank.pin[i].velocity, ground.x)\n}}"
     );

@@ -668,51 +668,6 @@ fn a_force_on_the_ground_places_no_body() {
     }
 }
 
-/// A block on a mount, whose place its guess alone states, stays there, while the guess of a shaft far outside of its shell
-/// does not count. With a stated start of the shaft the block follows the shaft.
-#[test]
-fn a_guess_that_alone_places_a_machine_stays() {
-    let text = "
-        use std.joints.PointOnPlane
-        use std.drivelines.RotationalDamper
-        use std.journals.Impedance
-        model Carried {
-            body block { mass = 60 kg; inertia = [2, 2, 2] kg*m^2; marker support = origin; marker shell = [0, 0, 100] mm; guess position = [0, 300, 0] mm }
-            body shaft { mass = 10 kg; inertia = [40, 40, 20] g*m^2; marker neck = origin; PLACE position = [40, 0, 0] mm }
-            force mount = RotationalDamper(block.support, ground, damping: 1 N*m*s/rad)
-            joint thrust = PointOnPlane(shaft.neck, block.shell)
-            journal film = Impedance(shaft.neck, block.shell, diameter: 50 mm, width: 20 mm, radial_clearance: 25 um, viscosity: 10 mPa*s)
-            output block_at[i in 1..3] = dot(block.support.origin, [ground.x, ground.y, ground.z][i])
-            output shaft_at[i in 1..3] = dot(shaft.neck.origin, [ground.x, ground.y, ground.z][i])
-        }
-        analysis place = assemble(Carried())";
-    let places = |word: &str| {
-        let outcome = run(
-            &crate::support::program(&text.replace("PLACE", word)),
-            "place",
-        );
-        ["block_at", "shaft_at"].map(|name| {
-            [1, 2, 3].map(|i| {
-                let column = outcome.results.column(&format!("{name}[{i}]"));
-                column.expect("an output").values[0]
-            })
-        })
-    };
-    let near = |found: [f64; 3], wanted: [f64; 3], within: f64| {
-        let far = found
-            .iter()
-            .zip(wanted)
-            .any(|(a, b)| (a - b).abs() > within);
-        assert!(!far, "{found:?} and not {wanted:?}");
-    };
-    let [block, shaft] = places("guess");
-    near(block, [0.0, 0.3, 0.0], 1e-9);
-    near(shaft, [0.0, 0.3, 0.1], 25e-6);
-    let [block, shaft] = places("start");
-    near(shaft, [0.04, 0.0, 0.0], 1e-9);
-    near(block, [0.04, 0.0, -0.1], 25e-6);
-}
-
 /// A class places its parts: a pin in the middle of a bush, a ball and a sliding block in touch with a plate. Stated
 /// positions and guesses have priority, and a stop that cannot be reached has no influence.
 #[test]

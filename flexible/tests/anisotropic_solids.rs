@@ -13,6 +13,7 @@ use eng_flexible::reduce::{Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{FileProblem, Files, FlexibleError};
+use eng_system::mesh_files::Stated;
 use serde_json::Value;
 use std::io::Read;
 use std::path::Path;

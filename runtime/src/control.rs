@@ -8,6 +8,15 @@ const GROWTH: (f64, f64) = (0.2, 2.0);
 /// steps are then up to 13 % shorter than the error allows.
 const KEEP: f64 = 1.15;
 
+/// The root of a number, of an order. The cube root has its own function, which is exact to the last bit.
+fn root(x: f64, order: f64) -> f64 {
+    if order == 3.0 {
+        libm::cbrt(x)
+    } else {
+        libm::pow(x, 1.0 / order)
+    }
+}
+
 /// PI controller for a local error of the order p (Gustafsson 1991; exponents 0.7/p and 0.4/p).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepSize {
@@ -69,7 +78,7 @@ impl StepSize {
         let factor = if error.is_finite() {
             // at most 0.8, a choice: the error is above the tolerance, and a repeated step that is hardly
             // shorter may fail again
-            (0.9 * libm::pow(error, -1.0 / order)).clamp(GROWTH.0, 0.8)
+            (0.9 * root(1.0 / error, order)).clamp(GROWTH.0, 0.8)
         } else {
             GROWTH.0
         };

@@ -159,31 +159,6 @@ fn edges(model: &Model, ground: usize) -> Vec<Edge> {
     edges
 }
 
-/// Groups of bodies that joints and films connect with each other and not with the ground, each in the order of the text.
-pub(super) fn floating(model: &Model) -> Vec<Vec<usize>> {
-    let ground = model.bodies.len();
-    let node = |marker: usize| model.markers[marker].body.unwrap_or(ground);
-    let edges = edges(model, ground);
-    // each node has the least number of its group in the end
-    let mut group: Vec<usize> = (0..=ground).collect();
-    loop {
-        let mut changed = false;
-        for [a, b] in edges.iter().map(|edge| edge.markers.map(node)) {
-            let least = group[a].min(group[b]);
-            changed |= group[a] != least || group[b] != least;
-            group[a] = least;
-            group[b] = least;
-        }
-        if !changed {
-            break;
-        }
-    }
-    let heads = (0..ground).filter(|body| group[*body] == *body && group[ground] != *body);
-    heads
-        .map(|head| (0..ground).filter(|body| group[*body] == head).collect())
-        .collect()
-}
-
 /// The direction of the z axes of most joints of a chain whose two markers agree in it.
 fn shared_axis(model: &Model, path: &[Edge], state: &State) -> Option<V3> {
     let at = at(state);

@@ -173,22 +173,8 @@ fn joined_to_ground(model: &Model) -> Vec<usize> {
         .collect()
 }
 
-/// The guessed bodies that nothing but their guess places: those that a joint holds on `ground` wherever they are, and one
-/// body of each group that neither a joint or film to the ground nor a stated start places. It is the first such body of
-/// the text, because others of its group follow it. A machine on mounts is such a group.
-fn placed_by_guesses(model: &Model, guessed: &[bool], stated: &[bool]) -> Vec<usize> {
-    let mut found = joined_to_ground(model);
-    for group in chains::floating(model) {
-        let is_stated = |body: &usize| stated[*body] && !guessed[*body];
-        if !group.iter().any(is_stated) {
-            found.extend(group.into_iter().find(|body| guessed[*body]));
-        }
-    }
-    found
-}
-
 /// The assembly as if the text had no guesses; `None` if it does not close, or leaves a pin outside of its shell. A body
-/// that nothing else places stays at its guess.
+/// that is joined to the ground stays at its guess, because nothing else places it.
 fn without_guesses(
     model: &Model,
     mut state: State,
@@ -196,10 +182,9 @@ fn without_guesses(
     mut places: placement::Stated,
     mut stated: Vec<bool>,
 ) -> Option<State> {
-    let guessed: Vec<bool> = closing::guessed(model).collect();
-    let keeps = placed_by_guesses(model, &guessed, &stated);
-    for (body, guessed) in guessed.into_iter().enumerate() {
-        if guessed && !keeps.contains(&body) {
+    let joined = joined_to_ground(model);
+    for (body, guessed) in closing::guessed(model).enumerate() {
+        if guessed && !joined.contains(&body) {
             let pose = model.bodies[body].pose;
             state.pose[pose..pose + 7].copy_from_slice(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
             places.position[body] = false;
