@@ -12,6 +12,8 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 type C = nalgebra::Complex<f64>;
+/// Stiffness (N m/rad) of a ring at a complex rate (1/s).
+type Ring = fn(C) -> C;
 
 /// The example: a six-cylinder train with a damper at its nose and a flywheel of constant speed.
 const SIX: &str = include_str!("../examples/torsion_six/torsion_six.eng");
@@ -44,7 +46,7 @@ fn pendulums(s: C, speed: f64) -> (C, C) {
 #[derive(Clone, Copy)]
 enum Damper {
     Bare,
-    Ring { inertia: f64, stiffness: fn(C) -> C },
+    Ring { inertia: f64, stiffness: Ring },
     Pendulums,
 }
 
@@ -99,7 +101,7 @@ fn order_of(results: &Results, path: &str, order: f64) -> C {
 /// complex numbers, below, in and above the first resonance.
 #[test]
 fn a_crank_train_twists_as_its_linear_equations_say() {
-    let rings: [(&str, &str, f64, fn(C) -> C); 2] = [
+    let rings: [(&str, &str, f64, Ring); 2] = [
         ("rubber_ring", "rubber.torque", 0.06, rubber),
         ("viscous_ring", "silicone.torque", 0.12, silicone),
     ];

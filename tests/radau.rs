@@ -245,6 +245,23 @@ fn the_audit_of_energy_closes_to_the_order_of_the_method() {
     assert!(miss < 4e-7, "{miss:.1e}");
 }
 
+/// A film would answer to the velocities that the stages leave.
+#[test]
+fn films_are_refused() {
+    let text = "use std.journals.Impedance
+    use std.joints.PointOnPlane
+    model Rotor {
+        gravity = [0, -9.81, 0] m/s^2
+        marker shell = [0, 0, 0] mm
+        body rotor { mass = 10 kg; inertia = [100, 100, 50] g*m^2; marker pin = origin; start angular_velocity = [0, 0, 300] rad/s }
+        joint axial = PointOnPlane(rotor.pin, shell)
+        journal film = Impedance(pin: rotor.pin, shell: shell, diameter: 50 mm, width: 20 mm, radial_clearance: 25 um, viscosity: 10 mPa*s)
+    }
+    analysis run = transient(Rotor(), duration: 1 ms, integrator: radau)";
+    let message = crate::support::refused(&program(text), "run");
+    assert!(message.contains("film is a film"), "{message}");
+}
+
 /// Arguments that belong to generalised-α are refused.
 #[test]
 fn arguments_of_the_other_method_are_refused() {

@@ -107,7 +107,7 @@ fn a_save_begins_a_round_and_an_interrupt_ends_it() {
     files.sort();
     let due = ["one.motion", "one", "two.motion", "two"].map(|stem| format!("{stem}.parquet"));
     assert_eq!(files, due.map(std::ffi::OsString::from));
-    let one = Results::read_parquet(&folder.join("out/one.parquet")).unwrap();
+    let one = Results::read_parquet(folder.join("out/one.parquet")).unwrap();
     assert_eq!(one.samples(), 3);
 }
 

@@ -589,13 +589,14 @@ fn check(options: &Options, model: &Model) -> Result<(), RuntimeError> {
                 .into(),
         );
     }
-    let mut kernels = model.kernels.iter();
-    let remembers = kernels.position(|kernels| kernels.iter().any(|kernel| kernel.memory() > 0));
-    if let (Method::Radau, Some(element)) = (options.method, remembers) {
+    let system = &model.compiled.system;
+    let journal = system.journals.first().map(|j| j.element as usize);
+    let film = journal.or_else(|| model.kernels.iter().position(|kernels| !kernels.is_empty()));
+    if let (Method::Radau, Some(element)) = (options.method, film) {
         return refuse(format!(
-            "{} remembers its oil from step to step, and the stages of `integrator: radau` have no such memory: leave `integrator` \
-             out, or take a film that conserves no mass",
-            model.compiled.system.elements[element].origin.path
+            "{} is a film, which answers at once to the small errors of velocities that `integrator: radau` leaves, so small reactions \
+             would be wrong: leave `integrator` out",
+            system.elements[element].origin.path
         ));
     }
     if options.max_step.is_nan() || options.max_step <= 0.0 {

@@ -75,8 +75,8 @@ const INVERSE: [[f64; 3]; 3] = [
 /// c: the places of the stages in the step.
 const NODES: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
 /// The real eigenvalue μ of A⁻¹, and the complex one.
-const REAL: f64 = 3.637_834_252_744_495_7;
-const COMPLEX: [f64; 2] = [2.681_082_873_627_752_1, 3.050_430_199_247_410_6];
+const REAL: f64 = 3.637_834_252_744_496;
+const COMPLEX: [f64; 2] = [2.681_082_873_627_752, 3.050_430_199_247_410_6];
 /// The basis B of the eigenvectors, and its inverse: `B⁻¹ A⁻¹ B = [μ; α, −β; β, α]` with the complex eigenvalue α + βi.
 const BASIS: [[f64; 3]; 3] = [
     [
@@ -87,7 +87,7 @@ const BASIS: [[f64; 3]; 3] = [
     [
         0.250_213_122_965_333_3,
         0.204_129_352_293_799_93,
-        0.382_942_112_757_261_94,
+        0.382_942_112_757_261_9,
     ],
     [1.0, 1.0, 0.0],
 ];
@@ -104,7 +104,7 @@ const BASIS_INVERSE: [[f64; 3]; 3] = [
     ],
     [
         -0.502_872_634_945_786_9,
-        2.571_926_949_855_605_4,
+        2.571_926_949_855_605,
         -0.596_039_204_828_224_9,
     ],
 ];
