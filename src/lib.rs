@@ -39,14 +39,21 @@
         clippy::todo
     )
 )]
+// several functions serve the command line or files alone
+#![cfg_attr(
+    not(all(feature = "cli", feature = "parquet")),
+    allow(dead_code, unused_imports)
+)]
 
 /// The snippets of the page on programs that embed Eng are tests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/embedding.md")]
 pub struct Embedding;
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod codes;
+#[cfg(feature = "png")]
 pub mod plot;
 pub mod post;
 pub mod render;
@@ -62,6 +69,7 @@ mod explained;
 mod failure;
 mod fields;
 mod figures;
+#[cfg(feature = "fmu")]
 pub mod fmu;
 mod grid_error;
 mod indexed;
@@ -71,6 +79,7 @@ mod machine;
 mod matrices;
 mod model;
 pub mod modes;
+mod moment;
 pub mod motion;
 mod places;
 mod program;
@@ -82,9 +91,11 @@ mod repetition;
 pub mod report;
 mod response;
 pub mod run;
+#[cfg(feature = "cli")]
 pub mod server;
 mod simulation;
 mod sources;
+#[cfg(feature = "parquet")]
 pub mod study;
 mod tables;
 pub mod timings;
@@ -106,6 +117,7 @@ pub use eng_system::system::summary::{Statistic, SummaryColumn, SummaryParameter
 pub use eng_system::system::{Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
+pub use figures::figures_of;
 pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};
 pub use model::{Channel, ChannelInfo, Input, InputInfo, Model, Parameter, ParameterInfo};
 pub use program::{Checked, Program, check, open};
@@ -115,4 +127,4 @@ pub use reduction::{BodyFile, BodyFormat, HandOverError, Reduction};
 pub use results::{Gradient, Results};
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;
-pub use tables::{Summarised, SummaryTable};
+pub use tables::{Summarised, SummaryTable, outcome_text};

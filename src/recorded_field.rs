@@ -11,7 +11,9 @@
 //! | `F.step` | time since the beginning of the step; 0 for a field in balance |
 //! | `F.memory[1]`, … | the memory of the field at that beginning |
 
-use crate::results::{CellColumn, Column, Results, display_unit};
+#[cfg(feature = "parquet")]
+use crate::results::CellColumn;
+use crate::results::{Column, Results, display_unit};
 use eng_runtime::model::Model;
 use eng_system::Dimension;
 use eng_system::field::{
@@ -195,6 +197,7 @@ impl RecordedField {
     ///
     /// # Errors
     /// Those of the kernel.
+    #[cfg(feature = "parquet")]
     pub(crate) fn cells(
         &self,
         motion: &Results,

@@ -4,7 +4,9 @@ use crate::cycle::SLACK;
 use crate::machine::cycle_period;
 use crate::motion::{SAMPLES, SUFFIX};
 use crate::recorded_field::RecordedField;
-use crate::results::{CYCLE_ANGLE, Column, Results, ResultsError, RowLog, display_unit};
+use crate::results::{
+    CYCLE_ANGLE, Column, Results, ResultsError, RowLog, display_unit, write_whole,
+};
 use crate::{Analysis, Error};
 use eng_runtime::Sample;
 use eng_system::system::BodyInertia;
@@ -178,7 +180,7 @@ impl Motion {
         }
         if let Some(folder) = analysis.recorded_to() {
             if results.samples() > 0 {
-                results.write_parquet(folder)?;
+                write_whole(&results, folder)?;
             }
             drop(self.log.take());
             RowLog::remove(folder, &name_of(analysis))?;

@@ -7,6 +7,7 @@
 mod analyses;
 mod describe;
 mod drawn;
+#[cfg(feature = "parquet")]
 mod fields;
 mod films;
 mod last_cycle;
@@ -24,6 +25,7 @@ mod tables;
 
 pub use crate::motion::At;
 pub use describe::{BodyPicture, Described, InputValue, JournalAxes, MarkerAxes, Matter, Spot};
+#[cfg(feature = "parquet")]
 pub use fields::write_fields;
 pub use page::{Drawn, Made, Request, make};
 pub use series::write_series;

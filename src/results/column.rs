@@ -59,6 +59,17 @@ impl Column {
             .map(|value| self.display.from_si(*value))
             .collect()
     }
+
+    /// Smallest and largest finite value (SI).
+    pub fn range(&self) -> Option<(f64, f64)> {
+        finite_range(&self.values)
+    }
+}
+
+/// Smallest and largest finite value.
+pub(crate) fn finite_range(values: &[f64]) -> Option<(f64, f64)> {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    Some((finite().reduce(f64::min)?, finite().reduce(f64::max)?))
 }
 
 /// A unit without a shifted zero.

@@ -4,71 +4,23 @@
 //! derivatives of these and of the channels. Numbers are 64-bit floats with the metadata of [`super::schema`]. A
 //! derivative is in the display unit of its channel per display unit of the parameter.
 
-use super::file::has_ending;
+use super::gradient::{Gradient, derived_from, gradients_file};
 use super::parquet::{WriteError, entries, is_sound, write_batch};
-use super::{
-    CYCLE_ANGLE, CYCLE_SPEED, Column, Results, ResultsError, TIME, file_stem, replace_file, schema,
-};
+use super::{Column, Results, ResultsError, replace_file, schema};
 use crate::regular::open;
 use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch, StringArray};
 use arrow_schema::{DataType, Field, Schema};
 use eng_system::DisplayUnit;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-/// The end of the names of these files.
-const ENDING: &str = ".gradients.parquet";
 /// Names of the columns of texts.
 const TEXTS: [&str; 2] = ["parameter", "parameter_unit"];
 
 /// Prefix of a key in the metadata. The path of a parameter follows; the value is the SI value of its unit.
 const SCALE: &str = "gradient.";
-/// The columns of the samples themselves, and the names of their derivatives. No channel has such a name.
-const OF_SAMPLES: [(&str, &str); 3] = [
-    (TIME, "time.gradient"),
-    (CYCLE_ANGLE, "cycle.angle.gradient"),
-    (CYCLE_SPEED, "cycle.speed.gradient"),
-];
-
-/// The name of the column with the derivatives of a column. It is the name of the column itself, except for
-/// time and cycle, whose columns hold their values.
-pub(crate) fn derivative_of(path: &str) -> &str {
-    let own = OF_SAMPLES.iter().find(|(of, _)| *of == path);
-    own.map_or(path, |(_, name)| name)
-}
-
-/// The column of results whose derivatives a column has; `None` for time and cycle.
-pub(crate) fn derived_from(path: &str) -> Option<&str> {
-    if OF_SAMPLES.iter().any(|(of, _)| *of == path) {
-        return None;
-    }
-    let own = OF_SAMPLES.iter().find(|(_, name)| *name == path);
-    Some(own.map_or(path, |(of, _)| of))
-}
-
-/// The derivatives of the channels of a run by a parameter, over its samples.
-#[derive(Clone, Debug)]
-pub struct Gradient {
-    /// Path of the parameter.
-    pub parameter: String,
-    /// Its display unit.
-    pub unit: DisplayUnit,
-    /// Time, cycle, their derivatives as `time.gradient`, `cycle.angle.gradient` and `cycle.speed.gradient`, and the
-    /// derivative of each channel under the channel's name.
-    pub results: Results,
-}
-
-/// The file with the gradients of an analysis in a folder.
-pub(crate) fn gradients_file(folder: &Path, analysis: &str) -> PathBuf {
-    folder.join(format!("{}{ENDING}", file_stem(analysis)))
-}
-
-/// Whether a file has the name of one with gradients.
-pub(super) fn is_gradients(path: &Path) -> bool {
-    has_ending(path, ENDING)
-}
 
 /// Why a file cannot be read as results, if it holds gradients.
 pub(super) fn refusal(schema: &Schema) -> Option<String> {

@@ -1,10 +1,10 @@
 //! Summaries of result files.
 
 use super::cells::is_cells;
-use super::gradients::is_gradients;
+use super::gradient::is_gradients;
 use super::points::is_points;
 use super::recording::{is_partial, is_result};
-use super::{CYCLE_ANGLE, Column, Results, ResultsError, TIME};
+use super::{CYCLE_ANGLE, Results, ResultsError, TIME};
 use std::path::{Path, PathBuf};
 
 /// The end of a file's run.
@@ -55,19 +55,6 @@ impl Listed {
             Some((*values.first()?, *values.last()?))
         })
     }
-}
-
-impl Column {
-    /// Smallest and largest finite value (SI).
-    pub fn range(&self) -> Option<(f64, f64)> {
-        finite_range(&self.values)
-    }
-}
-
-/// Smallest and largest finite value.
-pub(crate) fn finite_range(values: &[f64]) -> Option<(f64, f64)> {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    Some((finite().reduce(f64::min)?, finite().reduce(f64::max)?))
 }
 
 /// The result files at a path: the file, or those of the folder in the order of their names. Files of cells,

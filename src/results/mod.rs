@@ -2,44 +2,65 @@
 //!
 //! This module contains columns of numbers with unit, dimension and frame. It computes none of them.
 
+#[cfg(feature = "parquet")]
 mod cells;
 mod column;
 mod csv;
 mod dimension_text;
+#[cfg(feature = "parquet")]
+mod disk;
+#[cfg(not(feature = "parquet"))]
+#[path = "memory_only.rs"]
+mod disk;
 mod file;
+mod gradient;
+#[cfg(feature = "parquet")]
 mod gradients;
+#[cfg(feature = "parquet")]
 mod listing;
 mod mat;
+#[cfg(feature = "parquet")]
 mod parquet;
+#[cfg(feature = "parquet")]
 mod points;
 mod recording;
 mod resume_point;
+#[cfg(feature = "parquet")]
 mod row_log;
+#[cfg(feature = "parquet")]
 mod schema;
 mod selection;
+#[cfg(feature = "parquet")]
 mod stream;
 mod table;
 mod universal;
 
+#[cfg(feature = "parquet")]
 pub(crate) use cells::{CellColumn, write_cells};
 pub use column::Column;
-pub(crate) use column::display_unit;
+pub(crate) use column::{display_unit, finite_range};
 pub use csv::CsvForm;
+pub(crate) use disk::write_whole;
+#[cfg(not(feature = "parquet"))]
+pub(crate) use disk::{RowLog, write_gradients};
 pub use file::{file_stem, replace_file, writable};
 pub(crate) use file::{may_be_folder, remove_if_there, remove_leftovers};
-pub use gradients::Gradient;
-pub(crate) use gradients::{
-    derivative_of, derived_from, gradients_file, read_gradients, write_gradients,
-};
-pub(crate) use listing::finite_range;
+pub use gradient::Gradient;
+pub(crate) use gradient::{derivative_of, derived_from, gradients_file};
+#[cfg(feature = "parquet")]
+pub(crate) use gradients::{read_gradients, write_gradients};
+#[cfg(feature = "parquet")]
 pub use listing::{Kind, Listed, listed};
+#[cfg(feature = "parquet")]
 pub(crate) use points::{POINTS, PointRow, PointTable};
 pub use recording::Recording;
 pub(crate) use recording::{failed_twin, interrupted, stem_of};
 pub use resume_point::{KeptWarning, ResumePoint};
+#[cfg(feature = "parquet")]
 pub(crate) use row_log::RowLog;
 pub(crate) use selection::matches;
 pub use selection::{Last, Selection};
+#[cfg(feature = "parquet")]
 pub(crate) use stream::lock;
 pub(crate) use table::{Begun, STATE, Table};
 
@@ -204,6 +225,7 @@ impl Results {
     }
 
     /// Reads a result file: Parquet, or the stream of an unfinished or killed run.
+    #[cfg(feature = "parquet")]
     pub fn read(path: impl AsRef<Path>) -> Result<Results, ResultsError> {
         let path = path.as_ref();
         if recording::is_partial(path) {
