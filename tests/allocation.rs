@@ -39,6 +39,43 @@ fn a_step_of_the_engine_allocates_nothing() {
     );
 }
 
+/// Nor does a step of Radau IIA under error control, with its audit of energy.
+#[test]
+fn a_step_of_radau_allocates_nothing() {
+    let text = include_str!("benchmarks/coasting.eng");
+    let model = eng::check(&Sources::from_text("m.eng", text), "m.eng")
+        .into_program()
+        .unwrap_or_else(|report| panic!("{report}"))
+        .model("Coasting")
+        .unwrap_or_else(|error| panic!("{error}"));
+    let simulation = model.simulation().method(eng::Method::Radau);
+    let mut simulation = simulation
+        .tolerance(1.0)
+        .start()
+        .unwrap_or_else(|error| panic!("{error}"));
+    let mut channels = vec![0.0; model.channels().len()];
+    let mut advance = |steps: usize| {
+        for _ in 0..steps {
+            simulation.step().unwrap_or_else(|error| panic!("{error}"));
+            simulation
+                .runtime()
+                .evaluate_channels(&mut channels)
+                .unwrap_or_else(|error| panic!("{error}"));
+        }
+        // the error of a failed trial is allocated
+        simulation.statistics().failed
+    };
+    let before = advance(100);
+    let mut after = before;
+    let counted = allocation_counter::measure(|| after = advance(100));
+    assert_eq!(after, before, "a trial of the counted steps failed");
+    assert_eq!(
+        counted.count_total, 0,
+        "100 steps with outputs allocate {} times",
+        counted.count_total
+    );
+}
+
 /// Nor does a step with films of every kind, nor their way to other threads and back.
 #[test]
 fn a_step_of_films_on_threads_allocates_nothing() {

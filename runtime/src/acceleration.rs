@@ -509,9 +509,42 @@ impl AccelerationSystem {
     ) -> Result<(), RuntimeError> {
         dynamics.set_state(model, state, &[]);
         self.factor(model, dynamics, moment)?;
-        dynamics.velocity_level(model, &state.velocity)?;
+        self.defect_here(model, dynamics, &state.velocity, out)
+    }
+
+    /// [`AccelerationSystem::velocity_defect`] of the velocity at which `dynamics` is placed, with factors made there.
+    fn defect_here(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        velocity: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        dynamics.velocity_level(model, velocity)?;
         self.normal(model, dynamics.constraint_rates(), out);
         Ok(())
+    }
+
+    /// Takes the part that violates the constraints off the state's velocity, and computes accelerations, multipliers and state
+    /// rates then. Both belong to one position, so one matrix is factored. `work` takes the removed part.
+    pub fn tangential_accelerations(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        state: &mut State,
+        moment: Moment,
+        work: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        dynamics.set_state(model, state, &[]);
+        self.factor(model, dynamics, moment)?;
+        if model.rows > 0 {
+            self.defect_here(model, dynamics, &state.velocity, work)?;
+            for (v, off) in state.velocity.iter_mut().zip(&*work) {
+                *v -= off;
+            }
+            dynamics.set_state(model, state, &[]);
+        }
+        self.accelerate(model, dynamics, state, moment)
     }
 
     /// Brings a state back to Φ = 0 and Φ̇ = 0, velocities by the smallest change in the mass norm.

@@ -442,10 +442,6 @@ impl Simulation {
         self.integrator
             .look_at_vibrations(&self.model, &mut self.dynamics, h, tolerance);
         let passed = (self.kinks).constrains_within(h, time, tolerance);
-        let work_of_stages = match self.integrator.is_radau() && self.options.energy {
-            true => Some((self.integrator).work_of_stages(&self.model, &mut self.dynamics, h)?),
-            false => None,
-        };
         self.integrator.accept(&self.model, h, time);
         self.dynamics.keep_memory(&self.model)?;
         self.kinks.accept(&self.model, h, self.at_kink);
@@ -471,6 +467,10 @@ impl Simulation {
         self.observe_state()
             .map_err(|error| self.at_moment(error))?;
         self.compute_energy();
+        let work_of_stages = match self.options.energy {
+            true => self.integrator.work_of_stages(h, self.powers),
+            false => None,
+        };
         if self.at_kink.is_some() {
             self.renew_at_kink(h)?;
         }
@@ -562,8 +562,8 @@ impl Simulation {
             self.integrator
                 .try_step(&self.model, &mut self.dynamics, h, tolerance, moment)?;
         match trial {
-            Trial::Solved { .. } if self.integrator.is_radau() => {
-                match self.complete_stages(moment) {
+            Trial::Solved { error } if self.integrator.is_radau() => {
+                match self.complete_stages(h, error, moment) {
                     Ok(()) => Ok(trial),
                     Err(error @ RuntimeError::NotFinite { .. }) => {
                         Ok(Trial::Failed(Box::new(error)))
@@ -575,25 +575,20 @@ impl Simulation {
         }
     }
 
-    /// Completes the end of a step of Radau IIA: its velocity loses the part that violates the constraints, and its
+    /// Completes the end of a step h of Radau IIA: its velocity loses the part that violates the constraints, and its
     /// accelerations, multipliers and rates are those of the balance. The dynamics are evaluated there.
     ///
     /// This part is of third order in the step. The measure is that of the masses at the end itself: with the kept matrix of an
     /// earlier position a share of it would stay along the constraints, and the method would lose its order.
-    fn complete_stages(&mut self, moment: Moment) -> Result<(), RuntimeError> {
-        if self.model.rows > 0 {
-            let end = self.integrator.trial_state();
-            let (model, dynamics) = (&self.model, &mut self.dynamics);
-            self.system
-                .velocity_defect(model, dynamics, end, moment, &mut self.work)?;
-            let end = self.integrator.trial_state_mut();
-            for (v, off) in end.velocity.iter_mut().zip(&self.work) {
-                *v -= off;
-            }
-        }
+    fn complete_stages(&mut self, h: f64, error: f64, moment: Moment) -> Result<(), RuntimeError> {
         let (model, dynamics) = (&self.model, &mut self.dynamics);
+        // a step with a larger error is rejected, and its work is not needed
+        if self.options.energy && error <= 1.0 {
+            self.integrator.observe_stages(model, dynamics, h)?;
+        }
         let end = self.integrator.trial_state_mut();
-        self.system.accelerations(model, dynamics, end, moment)?;
+        self.system
+            .tangential_accelerations(model, dynamics, end, moment, &mut self.work)?;
         dynamics.set_state(model, end, &end.multipliers);
         dynamics.evaluate(model)
     }

@@ -79,6 +79,9 @@ pub(super) struct Radau {
     pairs: Vec<f64>,
     /// A list of the velocities' length.
     scratch: Vec<f64>,
+    /// The share of the first two stages in the work of the loads and of the constraints, and in the loss in flexible bodies
+    /// (J), of the last solved step.
+    inner_work: [f64; 3],
 }
 
 impl Radau {
@@ -123,6 +126,7 @@ impl Radau {
             parts: std::array::from_fn(|_| vec![0.0; pattern.count()]),
             pairs: vec![0.0; 2 * pattern.size()],
             scratch: vec![0.0; n],
+            inner_work: [0.0; 3],
         }
     }
 

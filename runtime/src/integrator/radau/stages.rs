@@ -165,6 +165,8 @@ impl Integrator {
         {
             *y = start + change;
         }
+        // angles are followed from those of the last accepted state
+        next.rotations.copy_from_slice(&self.current.rotations);
         next.time = self.current.time + NODES[index] * h;
     }
 
