@@ -225,6 +225,20 @@ impl<'a> Elaborator<'a, '_> {
         Ok(given)
     }
 
+    /// The meaning of a word, from the list of words with their meanings.
+    fn word_of<T: Copy>(
+        &mut self,
+        named: &[(&str, T)],
+        expr: &ast::Expr,
+        missing: &str,
+    ) -> Eval<T> {
+        let found = match &expr.kind {
+            ExprKind::Name(word) => named.iter().find(|(name, _)| name == word),
+            _ => None,
+        };
+        self.checked(found.map(|(_, meaning)| *meaning), expr.span, missing)
+    }
+
     fn argument(
         &mut self,
         row: &Argument,
@@ -233,24 +247,12 @@ impl<'a> Elaborator<'a, '_> {
     ) -> Eval<analysis::Value> {
         match row.takes {
             Takes::Start => {
-                let start = match &expr.kind {
-                    ExprKind::Name(word) => {
-                        let named = Start::NAMED.iter().find(|(name, _)| name == word);
-                        named.map(|(_, start)| analysis::Value::Start(*start))
-                    }
-                    _ => None,
-                };
-                self.checked(start, expr.span, "no start")
+                let start = self.word_of(&Start::NAMED, expr, "no start")?;
+                Ok(analysis::Value::Start(start))
             }
             Takes::Method => {
-                let method = match &expr.kind {
-                    ExprKind::Name(word) => {
-                        let named = Method::NAMED.iter().find(|(name, _)| name == word);
-                        named.map(|(_, method)| analysis::Value::Method(*method))
-                    }
-                    _ => None,
-                };
-                self.checked(method, expr.span, "no method")
+                let method = self.word_of(&Method::NAMED, expr, "no method")?;
+                Ok(analysis::Value::Method(method))
             }
             Takes::Condition => Ok(analysis::Value::Condition(
                 self.sources.text(expr.span).to_owned(),
