@@ -87,18 +87,22 @@ pub fn select(mesh: &Mesh, name: &str, selection: &Selection) -> Result<Vec<u32>
             )
         }
         Selection::Property(property) => {
-            let wanted = mesh.properties.iter().position(|p| p.name == *property);
-            let Some(wanted) = wanted else {
+            // elements of one section with axes of their own have several properties of one name
+            let is_wanted = |index: u32| {
+                let own = mesh.properties.get(index as usize);
+                own.is_some_and(|own| own.name == *property)
+            };
+            if !mesh.properties.iter().any(|p| p.name == *property) {
                 let known = mesh.properties.iter().map(|p| p.name.as_str());
                 let known: Vec<&str> = known.take(20).collect();
                 return Err(FlexibleError::structure(
                     format!("{name}: the mesh has no property {property}"),
                     &format!("its properties are {}", known.join(", ")),
                 ));
-            };
+            }
             let members: Vec<u32> = (0..)
                 .zip(&mesh.elements)
-                .filter(|(_, element)| element.property as usize == wanted)
+                .filter(|(_, element)| is_wanted(element.property))
                 .map(|(index, _)| index)
                 .collect();
             at_least_three(

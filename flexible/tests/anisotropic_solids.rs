@@ -5,8 +5,8 @@ use crate::nastran_deck::{self, Memory, close, unread};
 use eng_flexible::fe::stress::{Components, stress};
 use eng_flexible::fe::{Rules, assemble};
 use eng_flexible::mesh::{
-    Carries, Code, Coordinates, ElementKind, LocalAxes, Mesh, SolidElasticity, VARIANT_LETTERS,
-    Variant,
+    Carries, Code, Coordinates, Element, ElementKind, LocalAxes, Mesh, SolidElasticity,
+    VARIANT_LETTERS, Variant,
 };
 use eng_flexible::read::abaqus::read_inp;
 use eng_flexible::reduce::{Request, Term, reduce};
@@ -333,7 +333,7 @@ fn frequencies_are_those_of_calculix() {
     file.read_to_string(&mut text).unwrap();
     let reference: Value = serde_json::from_str(&text).unwrap();
     let decks = reference.as_object().unwrap();
-    assert_eq!(decks.len(), 9);
+    assert_eq!(decks.len(), 10);
     for (name, printed) in decks {
         let mesh = read_inp(&Decks(""), &format!("{name}.inp"), Code::CalculiX).unwrap();
         let structure = |card: &&(&str, u64, Carries)| card.2 != Carries::Nothing;
@@ -442,6 +442,119 @@ fn axes_of_an_orientation() {
     }
 }
 
+/// The axes of elements by a distribution: those of the first line for the elements without a line, of the last line of an
+/// element for the others.
+#[test]
+fn axes_of_a_distribution() {
+    let second = "*ELEMENT, TYPE=C3D8, ELSET=CUBE\n2, 1, 2, 3, 4, 5, 6, 7, 8\n3, 1, 2, 3, 4, 5, 6, 7, 8\n*ELSET, ELSET=LAST\n2, 3\n";
+    let of = |lines: &str, code| {
+        let lines = format!(
+            "{ENGINEERING}{second}{lines}*SOLID SECTION, ELSET=CUBE, MATERIAL=M, ORIENTATION=O\n"
+        );
+        let mesh = cube(&lines, code).unwrap();
+        let structure = |card: &&(&str, u64, Carries)| card.2 != Carries::Nothing;
+        assert_eq!(unread(&mesh).iter().find(structure), None, "{lines}");
+        let property = |element: &Element| &mesh.properties[element.property as usize];
+        assert!(
+            mesh.elements
+                .iter()
+                .all(|element| property(element).name == "CUBE")
+        );
+        let material = |element: &Element| property(element).material.unwrap() as usize;
+        let axes = |element: &Element| mesh.materials[material(element)].solid.unwrap().axes;
+        mesh.elements
+            .iter()
+            .map(|element| axes(element).at([0.5; 3]))
+            .collect::<Vec<_>>()
+    };
+    let along_y = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let along_z = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let same = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let lines =
+        ", 0., 2., 0., 0., 1., 3.\nLAST, 0., 0., 1., 1., 0., 5.\n3, 1., 0., 0., 0., 1., 0.\n";
+    let calculix = format!("*DISTRIBUTION, NAME=D\n{lines}*ORIENTATION, NAME=O\nD\n");
+    assert_eq!(of(&calculix, Code::CalculiX), [along_y, along_z, same]);
+    let table = "*DISTRIBUTION TABLE, NAME=T\nCOORD3D, COORD3D\n";
+    let abaqus = format!(
+        "{table}*DISTRIBUTION, NAME=D, LOCATION=ELEMENT, TABLE=T\n{lines}*ORIENTATION, NAME=O, DEFINITION=COORDINATES\nD\n"
+    );
+    assert_eq!(of(&abaqus, Code::Abaqus), [along_y, along_z, same]);
+    // a quarter turn about the third axis
+    let turned = format!("{abaqus}3, 90.\n");
+    assert_eq!(
+        of(&turned, Code::Abaqus)[2],
+        [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    );
+}
+
+#[test]
+fn wrong_distributions() {
+    let of = "*SOLID SECTION, ELSET=CUBE, MATERIAL=M, ORIENTATION=O\n";
+    let orientation = "*ORIENTATION, NAME=O\nD\n";
+    let lines = ", 1., 0., 0., 0., 1., 0.\n";
+    for (deck, message) in [
+        (
+            orientation.to_string(),
+            "*ORIENTATION: the distribution D is missing",
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D\n1, 1., 0., 0., 0., 1., 0.\n{orientation}"),
+            "*DISTRIBUTION: its first line is not that of the elements without a line of their own",
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D\n{lines}{lines}{orientation}"),
+            "a line of *DISTRIBUTION names no element",
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D\n{lines}7, 1., 0., 0., 0., 1., 0.\n{orientation}"),
+            "element 7 is missing",
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D\n{lines}1, 1., 0., 0., 2., 0., 0.\n{orientation}"),
+            "the points of the orientation O give no axes",
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D\n, 1., 0., X, 0., 1., 0.\n{orientation}"),
+            "point a is \"X\", not a number",
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D, TABLE=T\n{lines}{orientation}"),
+            "*DISTRIBUTION: the distribution table T is missing",
+        ),
+    ] {
+        let found = problem_of_cube(&format!("{ENGINEERING}{deck}{of}"), Code::Abaqus);
+        assert!(found.problem.contains(message), "{deck}: {found}");
+    }
+    let distribution = format!("*DISTRIBUTION, NAME=D, TABLE=T\n{lines}");
+    for (deck, code) in [
+        (
+            format!("*DISTRIBUTION TABLE, NAME=T\nANGLE\n{distribution}{orientation}"),
+            Code::Abaqus,
+        ),
+        (
+            format!("*DISTRIBUTION, NAME=D, LOCATION=NODE\n{lines}{orientation}"),
+            Code::Abaqus,
+        ),
+        (
+            format!("{distribution}*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL\nD\n"),
+            Code::Abaqus,
+        ),
+        // CalculiX turns the axes of each line by another angle
+        (
+            format!("{distribution}{orientation}3, 20.\n"),
+            Code::CalculiX,
+        ),
+    ] {
+        let mesh = cube(&format!("{ENGINEERING}{deck}{of}"), code).unwrap();
+        let listed = unread(&mesh);
+        let name = "*ORIENTATION by a distribution";
+        assert!(
+            listed.contains(&(name, 1, Carries::Structure)),
+            "{deck}: {listed:?}"
+        );
+    }
+}
+
 /// The axes of a part turn with its instance.
 #[test]
 fn axes_turn_with_the_instance() {
@@ -521,7 +634,6 @@ fn wrong_constants_and_orientations() {
         assert!(found.problem.contains(message), "{lines}: {found}");
     }
     for (orientation, code, name) in [
-        ("\nTABLE\n", Code::Abaqus, "*ORIENTATION by a distribution"),
         (
             ", SYSTEM=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n1, 20.\n",
             Code::CalculiX,

@@ -146,8 +146,13 @@ impl Ties<'_, '_> {
             self.unread.note(&name, &keyword.at, Carries::Structure);
             return Ok(());
         }
-        let Some(axes) =
-            Orientation::named((self.model, self.code), place, name, block, self.unread)?
+        let Some(axes) = Orientation::named(
+            (self.model, self.code),
+            place,
+            (name, None),
+            block,
+            self.unread,
+        )?
         else {
             return Ok(());
         };

@@ -438,7 +438,7 @@ impl Deck {
             "SYSTEM" => self.system = Some(system(&block.rows, &keyword.at)?),
             "ASSEMBLY" | "ENDASSEMBLY" | "HEADING" => {}
             // they give the temperature of the materials, and the axes of couplings and anisotropic solids
-            "INITIALCONDITIONS" | "ORIENTATION" => {
+            "INITIALCONDITIONS" | "ORIENTATION" | "DISTRIBUTION" | "DISTRIBUTIONTABLE" => {
                 let name = format!("*{}", keyword.name);
                 self.unread.note(&name, &keyword.at, Carries::Nothing);
                 self.scope().blocks.push(block);

@@ -19,7 +19,7 @@ pub(super) fn make(
     materials: &Materials,
     unread: &mut UnreadCards,
 ) -> Result<(), FileProblem> {
-    let mut sections = Sections::new(model, mesh.code, unread)?;
+    let mut sections = Sections::new((&*model, mesh.code), materials, unread)?;
     let mut made = Vec::with_capacity(model.rows.len());
     for (index, row) in model.rows.iter().enumerate() {
         let index = index as u32; // counted when they were numbered

@@ -236,22 +236,33 @@ impl Transform {
                 "write the coordinates of the points a and b on the next line",
             ));
         };
+        Self::of_row(kind, row, 0)
+    }
+
+    /// With the points a and b from an entry of a line on.
+    fn of_row(kind: TransformKind, row: &Row, first: usize) -> Result<Self, FileProblem> {
         Ok(Transform {
             kind,
-            a: row.vector(0, "point a")?,
-            b: row.vector(3, "point b")?,
+            a: row.vector(first, "point a")?,
+            b: row.vector(first + 3, "point b")?,
         })
     }
 
     /// The axes of an `*ORIENTATION`: `SYSTEM=RECTANGULAR` (the default) or `CYLINDRICAL`, with points as in
     /// [`Self::read`]; `None` for another system.
     pub fn of_orientation(keyword: &Keyword, rows: &[Row]) -> Result<Option<Self>, FileProblem> {
-        let kind = match keyword.choice("SYSTEM").as_str() {
-            "" | "RECTANGULAR" => TransformKind::Rectangular,
-            "CYLINDRICAL" => TransformKind::Cylindrical,
-            _ => return Ok(None),
-        };
-        Self::of_points(kind, keyword, rows).map(Some)
+        match kind_of_orientation(keyword) {
+            Some(kind) => Self::of_points(kind, keyword, rows).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// The axes of an `*ORIENTATION` whose points are in a line of its distribution, behind the element.
+    pub fn of_distribution(keyword: &Keyword, line: &Row) -> Result<Option<Self>, FileProblem> {
+        match kind_of_orientation(keyword) {
+            Some(kind) => Self::of_row(kind, line, 1).map(Some),
+            None => Ok(None),
+        }
     }
 
     /// With the points a and b counted from this one.
@@ -313,6 +324,15 @@ impl Transform {
                 across(subtract(self.b, self.a), x).and_then(|z| axes(x, z))
             }
         }
+    }
+}
+
+/// The kind of the axes of an `*ORIENTATION`; `None` for a system that Eng does not read.
+fn kind_of_orientation(keyword: &Keyword) -> Option<TransformKind> {
+    match keyword.choice("SYSTEM").as_str() {
+        "" | "RECTANGULAR" => Some(TransformKind::Rectangular),
+        "CYLINDRICAL" => Some(TransformKind::Cylindrical),
+        _ => None,
     }
 }
 

@@ -364,6 +364,12 @@ impl Materials {
         said.collect()
     }
 
+    /// Whether a material is an anisotropic solid.
+    pub fn is_anisotropic(&self, name: &str) -> bool {
+        let entry = self.entries.get(&key(name));
+        entry.is_some_and(|entry| !entry.solid.lines.is_empty())
+    }
+
     /// The material of a section. An anisotropic solid has the axes of `of` until it gets its own.
     pub fn find(&self, name: &str, user: &Block, of: Use) -> Result<Material, FileProblem> {
         let Some(entry) = self.entries.get(&key(name)) else {

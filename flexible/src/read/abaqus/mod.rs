@@ -18,6 +18,7 @@
 mod anisotropic;
 mod couplings;
 mod deck;
+mod distributions;
 mod elements;
 mod frames;
 mod lines;

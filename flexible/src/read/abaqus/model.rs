@@ -290,6 +290,19 @@ impl Model {
             .flat_map(|(place, placed)| placed.scope.blocks.iter().map(move |block| (place, block)))
     }
 
+    /// The first block of a keyword (capitals, without blanks) with a NAME: at a place, or anywhere.
+    pub fn named_block(&self, place: Option<usize>, keyword: &str, name: &str) -> Option<&Block> {
+        let wanted = Some(key(name));
+        let mut blocks = self.blocks();
+        let found = blocks.find(|(of, block)| {
+            let known = &block.keyword;
+            known.key == keyword
+                && place.is_none_or(|place| place == *of)
+                && known.get("NAME").map(key) == wanted
+        });
+        found.map(|(_, block)| block)
+    }
+
     /// The position of a node.
     pub fn position(&self, node: u32) -> [f64; 3] {
         self.nodes

@@ -1,7 +1,8 @@
 //! `*ORIENTATION`: the axes of materials and couplings.
 
+use super::distributions::Distribution;
 use super::frames::{Motion, STILL, Transform, about};
-use super::lines::{Row, key};
+use super::lines::Row;
 use super::model::Model;
 use super::scope::Block;
 use crate::error::FileProblem;
@@ -19,24 +20,48 @@ pub(super) struct Orientation {
 }
 
 impl Orientation {
-    /// The `*ORIENTATION` with a name, of the same place as its user. Without axes that Eng reads it is noted, and the
-    /// answer is `None`.
+    /// The distribution over elements that an `*ORIENTATION` names in the place of its points; `None` for another
+    /// orientation, and for one that [`Self::named`] notes as not read.
+    ///
+    /// # Errors
+    /// A distribution that is missing or wrong.
+    pub fn distribution<'m>(
+        (model, code): (&'m Model, Code),
+        place: usize,
+        name: &str,
+    ) -> Result<Option<Distribution<'m>>, FileProblem> {
+        let Some(block) = model.named_block(Some(place), "ORIENTATION", name) else {
+            return Ok(None);
+        };
+        let mut rows = block.rows.iter().filter(|row| !row.is_blank());
+        let (Some(first), second) = (rows.next(), rows.next()) else {
+            return Ok(None);
+        };
+        let system = block.keyword.choice("SYSTEM");
+        let read = match code {
+            // CalculiX turns the axes of each line by another angle (`orientations.f`)
+            Code::CalculiX => second.is_none(),
+            _ => matches!(system.as_str(), "" | "RECTANGULAR"),
+        };
+        if !(read && names_distribution(first)) {
+            return Ok(None);
+        }
+        Distribution::named((model, code), place, first.text(0), block)
+    }
+
+    /// The `*ORIENTATION` with a name, of the same place as its user. One whose points are in a distribution has those of a
+    /// line of it. Without axes that Eng reads it is noted, and the answer is `None`.
     ///
     /// # Errors
     /// No such orientation, text in the place of a number.
     pub fn named(
         (model, code): (&Model, Code),
         place: usize,
-        name: &str,
+        (name, line): (&str, Option<&Row>),
         user: &Block,
         unread: &mut UnreadCards,
     ) -> Result<Option<Self>, FileProblem> {
-        let found = model.blocks().find(|(of, block)| {
-            let keyword = &block.keyword;
-            let own = keyword.get("NAME").map(key);
-            *of == place && keyword.key == "ORIENTATION" && own == Some(key(name))
-        });
-        let Some((_, block)) = found else {
+        let Some(block) = model.named_block(Some(place), "ORIENTATION", name) else {
             return Err(user.keyword.problem(
                 &format!("the orientation {name} is missing"),
                 "add its *ORIENTATION, or correct the name",
@@ -47,10 +72,14 @@ impl Orientation {
         let rows: Vec<&Row> = block.rows.iter().filter(|row| !row.is_blank()).collect();
         let told = match (keyword.choice("DEFINITION").as_str(), rows.as_slice()) {
             ("" | "COORDINATES", [first, others @ ..]) if others.len() <= 1 => {
-                let text = first.text(0);
-                match text.is_empty() || number::real(text).is_some() {
-                    true => Self::read(block, (*first, others.first().copied()), code)?,
-                    false => Err("*ORIENTATION by a distribution"),
+                let second = others.first().copied();
+                match (names_distribution(first), line) {
+                    (false, _) => Self::read(block, (*first, second), code)?,
+                    (true, Some(line)) => match Transform::of_distribution(keyword, line)? {
+                        Some(points) => Ok((points, turn_of(second)?)),
+                        None => Err("*ORIENTATION of more than two points"),
+                    },
+                    (true, None) => Err("*ORIENTATION by a distribution"),
                 }
             }
             ("" | "COORDINATES", []) => Transform::of_orientation(keyword, &block.rows)
@@ -94,26 +123,7 @@ impl Orientation {
             true => points.counted_from(first.vector(6, "point c")?),
             false => points,
         };
-        let turn = match second {
-            None => IDENTITY,
-            Some(row) => {
-                let axis = match row.text(0) {
-                    "1" => [1.0, 0.0, 0.0],
-                    "2" => [0.0, 1.0, 0.0],
-                    "3" => [0.0, 0.0, 1.0],
-                    other => {
-                        return Err(row.at.problem(
-                            format!(
-                                "*ORIENTATION turns its axes about \"{other}\", which is no axis"
-                            ),
-                            "write 1, 2 or 3, and the angle in degrees",
-                        ));
-                    }
-                };
-                about(axis, row.real_or_zero(1, "the angle")?)
-            }
-        };
-        Ok(Ok((points, turn)))
+        Ok(Ok((points, turn_of(second)?)))
     }
 
     /// The axes at a place of the model on the axis of a cylinder.
@@ -151,4 +161,29 @@ impl Orientation {
             turn: self.turn,
         })
     }
+}
+
+/// Whether the first line of an `*ORIENTATION` is the name of a distribution.
+fn names_distribution(first: &Row) -> bool {
+    let text = first.text(0);
+    !text.is_empty() && number::real(text).is_none()
+}
+
+/// The rotation of the axes by the second line of an `*ORIENTATION`, `axis, degrees`.
+fn turn_of(second: Option<&Row>) -> Result<Rotation, FileProblem> {
+    let Some(row) = second else {
+        return Ok(IDENTITY);
+    };
+    let axis = match row.text(0) {
+        "1" => [1.0, 0.0, 0.0],
+        "2" => [0.0, 1.0, 0.0],
+        "3" => [0.0, 0.0, 1.0],
+        other => {
+            return Err(row.at.problem(
+                format!("*ORIENTATION turns its axes about \"{other}\", which is no axis"),
+                "write 1, 2 or 3, and the angle in degrees",
+            ));
+        }
+    };
+    Ok(about(axis, row.real_or_zero(1, "the angle")?))
 }

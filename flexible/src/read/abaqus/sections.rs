@@ -1,6 +1,7 @@
 //! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of
 //! the mesh.
 
+use super::distributions::Distribution;
 use super::lines::{self, key};
 use super::materials::{Materials, Use};
 use super::model::{Model, Row};
@@ -50,15 +51,18 @@ impl Family {
 pub(super) struct Sections<'m> {
     /// Section blocks with their places.
     blocks: Vec<(usize, &'m Block)>,
+    /// For each of them the distribution of the axes of its anisotropic solids, if there is one.
+    distributions: Vec<Option<Distribution<'m>>>,
     /// Whose file it is.
     code: Code,
     /// Section of each row.
     of_row: Vec<Option<u32>>,
     nodal_thickness: NodalThickness,
-    /// Properties of the mesh, by section and family.
-    pub properties: Once<(Option<u32>, Family), Property>,
-    /// Materials of the mesh, by name in capitals; of an anisotropic solid also by orientation and place.
-    pub materials: Once<(String, Option<(String, usize)>), Material>,
+    /// Properties of the mesh, by section, family and line of the distribution.
+    pub properties: Once<(Option<u32>, Family, u32), Property>,
+    /// Materials of the mesh, by name in capitals; of an anisotropic solid also by orientation, place and line of the
+    /// distribution.
+    pub materials: Once<(String, Option<(String, usize, u32)>), Material>,
     /// Layers of the composites.
     pub laminates: Vec<Vec<Layer>>,
 }
@@ -73,13 +77,14 @@ const KEYWORDS: &[&str] = &[
 impl<'m> Sections<'m> {
     /// Finds the section of every element.
     pub fn new(
-        model: &'m Model,
-        code: Code,
+        (model, code): (&'m Model, Code),
+        materials: &Materials,
         unread: &mut UnreadCards,
     ) -> Result<Self, FileProblem> {
         let mut sections = Sections {
             code,
             blocks: Vec::new(),
+            distributions: Vec::new(),
             of_row: vec![None; model.rows.len()],
             nodal_thickness: NodalThickness::read(model, unread)?,
             properties: Once::default(),
@@ -93,6 +98,14 @@ impl<'m> Sections<'m> {
             }
             let index = sections.blocks.len() as u32; // never near 2³² lines
             sections.blocks.push((place, block));
+            let material = keyword.get("MATERIAL");
+            let directed = material.is_some_and(|name| materials.is_anisotropic(name));
+            let solid = keyword.key == "SOLIDSECTION";
+            let distribution = match keyword.get("ORIENTATION").filter(|_| solid && directed) {
+                Some(name) => Orientation::distribution((model, code), place, name)?,
+                None => None,
+            };
+            sections.distributions.push(distribution);
             let set = keyword.require("ELSET", "ELSET")?;
             for row in model.rows_of(place, set, &keyword.at)? {
                 let Some(section) = sections.of_row.get_mut(row as usize) else {
@@ -107,6 +120,10 @@ impl<'m> Sections<'m> {
                 }
             }
             let shells = keyword.key == "SHELLSECTION";
+            if keyword.has("SHELLTHICKNESS") {
+                let name = format!("*{}, SHELL THICKNESS", keyword.name);
+                unread.note(&name, &keyword.at, Carries::Structure);
+            }
             for (parameter, written) in
                 [("OFFSET", "OFFSET"), ("NODALTHICKNESS", "NODAL THICKNESS")]
             {
@@ -144,12 +161,13 @@ impl<'m> Sections<'m> {
         })
     }
 
-    /// Index of the material of solids, with the axes of their section if it is anisotropic: those of `ORIENTATION`, else
-    /// the global ones.
+    /// Index of the material of solids, with the axes of their section if it is anisotropic: those of `ORIENTATION`, with
+    /// the points of a line of its distribution if it has one, else the global ones.
     fn material_of_solid(
         &mut self,
         name: &str,
         (place, user): (usize, &Block),
+        (number, line): (u32, Option<&lines::Row>),
         (model, materials): (&Model, &Materials),
         unread: &mut UnreadCards,
     ) -> Result<u32, FileProblem> {
@@ -158,17 +176,25 @@ impl<'m> Sections<'m> {
             return self.material(name, user, materials, Use::Solid);
         };
         let keyword = &user.keyword;
-        let by = (key(name), Some((keyword.choice("ORIENTATION"), place)));
+        let by = (
+            key(name),
+            Some((keyword.choice("ORIENTATION"), place, number)),
+        );
         if let Some(made) = self.materials.find(&by) {
             return Ok(made);
         }
         match keyword.get("ORIENTATION").filter(|name| !name.is_empty()) {
             Some(named) => {
-                let found = Orientation::named((model, self.code), place, named, user, unread)?;
+                let deck = (model, self.code);
+                let found = Orientation::named(deck, place, (named, line), user, unread)?;
                 if let Some(found) = found {
                     solid.axes = found.axes().ok_or_else(|| {
-                        keyword.problem(
-                            &format!("the points of the orientation {named} give no axes"),
+                        let at = line.map_or(&keyword.at, |line| &line.at);
+                        at.problem(
+                            format!(
+                                "*{}: the points of the orientation {named} give no axes",
+                                keyword.name
+                            ),
                             "choose points that form a triangle with the origin, or two different points of a cylinder's axis",
                         )
                     })?;
@@ -250,7 +276,15 @@ impl<'m> Sections<'m> {
         unread: &mut UnreadCards,
     ) -> Result<Option<u32>, FileProblem> {
         let section = self.of_row.get(row as usize).copied().flatten();
-        let by = (section, family);
+        let distribution = section.and_then(|section| self.distributions.get(section as usize));
+        let line = match distribution {
+            Some(Some(distribution)) => {
+                let (number, line) = distribution.line(row);
+                (number, Some(line))
+            }
+            _ => (0, None),
+        };
+        let by = (section, family, line.0);
         if let Some(made) = self.properties.find(&by) {
             return Ok(Some(made));
         }
@@ -337,7 +371,7 @@ impl<'m> Sections<'m> {
         let material = match family {
             Family::Solid => {
                 let section = (place, block);
-                self.material_of_solid(written, section, (model, materials), unread)?
+                self.material_of_solid(written, section, line, (model, materials), unread)?
             }
             Family::Shell => self.material(written, block, materials, Use::Shell)?,
             Family::Beam(_) | Family::Truss | Family::Facet => {

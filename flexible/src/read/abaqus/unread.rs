@@ -12,6 +12,8 @@ pub(super) const KEPT: &[&str] = &[
     "DENSITY",
     "DISTRIBUTING",
     "DISTRIBUTINGCOUPLING",
+    "DISTRIBUTION",
+    "DISTRIBUTIONTABLE",
     "ELASTIC",
     "EQUATION",
     "INITIALCONDITIONS",
