@@ -1,11 +1,13 @@
 //! Radau IIA against closed forms, published digits and generalised-α.
 
-use crate::support::program;
+use crate::support::{program, program_with_bar};
 use eng::{Method, Model, Simulation};
 use serde_json::Value;
 
 /// A slider-crank that coasts, against gravity and a torsional spring and damper on its crank.
 const COASTING: &str = include_str!("benchmarks/coasting.eng");
+/// A flexible bar that flies freely, and one that turns on a pin.
+const MOVING_BARS: &str = include_str!("mesh/moving_bars.eng");
 
 fn model(text: &str, name: &str) -> Model {
     program(text)
@@ -155,30 +157,7 @@ fn meets(model: &Model, end: f64, due: &[(&str, f64)], tolerance: f64, error: f6
 fn a_turning_flexible_bar_has_the_fifth_order() {
     use eng::StepControl::{Fixed, Tolerance};
     const END: f64 = 2e-3;
-    let text = "use std.joints.Revolute
-    force Lag(a: Marker, b: Marker, stiffness: Stiffness, decay: Time) {
-        state pull: Force = 0 N scale 100 N
-        der(pull) = (stiffness*dot(a.origin - b.origin, b.x) - pull)/decay
-        apply force -(pull + 0.1*stiffness*dot(a.origin - b.origin, b.x))*b.x on a against b
-        output load: Force = pull as N
-    }
-    model Turning {
-        gravity = [-9.81, 0, 0] m/s^2
-        marker pivot = at([0, 0, 0] mm, z: [0, 1, 0])
-        flexible bar {
-            mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
-            modes = static(at: [foot, tip]) + normal(2)
-            damping = 2 %
-            marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, z: [0, 1, 0])
-            marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
-            start angular_velocity = [0, 100, 0] rad/s
-        }
-        joint pin = Revolute(bar.foot, pivot)
-        force lag = Lag(bar.tip, ground, stiffness: 2 N/mm, decay: 1 ms)
-        output across: Length = dot(bar.tip.origin - pivot.origin, ground.x)
-        output speed: Velocity = dot(bar.tip.velocity, ground.x)
-    }";
-    let model = crate::support::program_with_bar(text)
+    let model = program_with_bar(MOVING_BARS)
         .model("Turning")
         .unwrap_or_else(|error| panic!("{error}"));
     let channels = ["across", "speed", "lag.load"];
@@ -199,6 +178,35 @@ fn a_turning_flexible_bar_has_the_fifth_order() {
         let miss = (found / exact - 1.0).abs();
         println!("{steps} steps: {miss:.1e}");
         assert!(miss < 1e-7, "{found} and not {exact}: {miss:.1e}");
+    }
+}
+
+/// The tip of a free flexible bar, which tumbles and rings. The errors are shares of its largest coordinate.
+#[test]
+fn a_flying_flexible_bar_is_followed_to_1e_8() {
+    use eng::StepControl::{Fixed, Tolerance};
+    const END: f64 = 5e-3;
+    let model = program_with_bar(MOVING_BARS)
+        .model("Flying")
+        .unwrap_or_else(|error| panic!("{error}"));
+    let run = |method, control| {
+        let channels = ["tip.x", "tip.y", "tip.z"];
+        at_the_end(&model, END, method, control, &channels)
+    };
+    let (exact, _) = run(Method::Radau, Tolerance(1e-3));
+    let size = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let alpha = |steps: f64| run(Method::default(), Fixed(END / steps)).0;
+    let (coarse, fine) = (alpha(10_000.0), alpha(20_000.0));
+    for ((a, b), exact) in coarse.iter().zip(&fine).zip(&exact) {
+        let miss = ((4.0 * b - a) / 3.0 - exact).abs() / size;
+        println!("generalised-α: {miss:.1e}");
+        assert!(miss < 1e-8, "{miss:.1e}");
+    }
+    let (found, steps) = run(Method::Radau, Tolerance(1e-2));
+    for (found, exact) in found.iter().zip(&exact) {
+        let miss = (found - exact).abs() / size;
+        println!("{steps} steps: {miss:.1e}");
+        assert!(miss < 1e-8, "{found} and not {exact}: {miss:.1e}");
     }
 }
 
