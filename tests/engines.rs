@@ -382,6 +382,53 @@ fn engines_with_films_in_the_big_ends_assemble_by_themselves() {
     }
 }
 
+/// An engine on a body at another place, whose axes are turned by right angles: its films are those of the engine at the origin, and
+/// the text has no guess.
+#[test]
+fn an_engine_stands_in_the_frame_of_a_body() {
+    let films = "big_ends: film, pin_width: 20 mm, pin_clearance: diametral(50 um),";
+    let coupled =
+        "drive_line: dynamometer, coupling_stiffness: 20 kN*m/rad, coupling_damping: 10 N*m*s/rad,";
+    let layout = "inline(throws: [0, 240, 120] deg)";
+    for drive_line in ["", coupled] {
+        let arguments = format!("{films} {drive_line}");
+        let upright = engine(layout, "[1, 3, 2]", &arguments);
+        let carried = engine(
+            layout,
+            "[1, 3, 2]",
+            &format!("{arguments} engine_frame: [car.bed],"),
+        )
+        .replace(
+            "    part engine",
+            "    marker post = at([1, 2, 3] m, x: [0, 0, 1], z: [1, 0, 0])
+    body car {
+        mass = 900 kg
+        inertia = [100, 100, 100] kg*m^2
+        marker bed = [0, 0, 0] mm
+        marker floor = [0, 0, 0] mm
+    }
+    joint hold = Fixed(car.floor, post)
+    part engine",
+        )
+        .replace("engine.up*(-9.81 m/s^2)", "[0, 0, -9.81] m/s^2")
+        .replace("use std.journals", "use std.joints.Fixed\nuse std.journals");
+        quiet(&carried);
+        let [upright, carried] = [upright, carried].map(|text| run(&text, "run"));
+        let paths = (1..=4).flat_map(|j| {
+            ["x", "y"].map(|axis| format!("engine.main[{j}].eccentricity_ratio.{axis}"))
+        });
+        for path in paths.chain(["engine.brake_torque".to_owned()]) {
+            let (due, found) = (column(&upright, &path), column(&carried, &path));
+            let swing = due.iter().fold(f64::MIN, |most, x| most.max(*x))
+                - due.iter().fold(f64::MAX, |least, x| least.min(*x));
+            let off = due.iter().zip(found);
+            let off = off.fold(0.0_f64, |worst, (x, y)| worst.max((x - y).abs()));
+            println!("{path}: {off:.1e} of {swing:.3}");
+            assert!(off < 1e-4 * swing, "{path}: {off} of {swing}");
+        }
+    }
+}
+
 /// Mistakes in the structure of an engine: one error, which names the arguments, and none from inside of the library.
 #[test]
 fn a_wrong_structure_is_told_once() {
