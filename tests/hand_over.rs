@@ -411,6 +411,34 @@ fn the_command_writes_bodies_or_says_why_not() {
         json.contains("\"rotation z\"") && json.contains("\"mode 1\""),
         "{json}"
     );
+    // every node moves along x; node 9999 is not in the mesh
+    let values = "  1.00000E+00  0.00000E+00  0.00000E+00\n";
+    let nodes: String = (1..=104)
+        .chain([9999])
+        .map(|node| format!("{node:10}\n{values}"))
+        .collect();
+    let heading = "\n\n\n\n\n         1         2         2         8         2         3\n         2         4         1         7\n  2.50000E+02  0.00000E+00  0.00000E+00  0.00000E+00\n";
+    let shapes = format!("    -1\n    55\n{heading}{nodes}    -1\n");
+    std::fs::write(folder.join("shapes.unv"), shapes).expect("a file of shapes");
+    let done = reduce(&folder, &["bar.eng", "--compare", "shapes.unv"]);
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    let line = "compared with shapes.unv: 104 of its 105 nodes are in the mesh\n";
+    let (_, table) = said.split_once(line).expect("a comparison");
+    let row: Vec<&str> = table
+        .lines()
+        .nth(1)
+        .unwrap_or("")
+        .split_whitespace()
+        .collect();
+    let ["7", "250.0000", nearest, ours, difference, "%", assurance] = row[..] else {
+        panic!("{table}");
+    };
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    assert!((1.0..=9.0).contains(&number(nearest)), "{table}");
+    let expected = 100.0 * (number(ours) / 250.0 - 1.0);
+    assert!((number(difference) - expected).abs() < 1e-3, "{table}");
+    // bending along x, but not the same everywhere
+    assert!((0.4..0.9).contains(&number(assurance)), "{table}");
     let mut refusals = String::new();
     for words in [
         &["bar.eng", "--to", "op4"][..],
@@ -443,6 +471,11 @@ fn the_command_writes_bodies_or_says_why_not() {
             "99999999",
         ],
         &["bar.eng", "--to", "op4", "--out", "bar.bdf"],
+        &["bar.eng", "--body", "bar"],
+        &["bar.eng", "--compare", "none.op2"],
+        &["bar.eng", "--compare", "bar.eng"],
+        &["bar.eng", "--compare", "bar.bdf"],
+        &["bar.eng", "--compare", "shapes.unv", "--body", "crank"],
     ] {
         let output = reduce(&folder, words);
         assert_eq!(output.status.code(), Some(2), "{words:?}");

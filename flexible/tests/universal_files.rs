@@ -1,5 +1,6 @@
 //! Universal files: the same meshes written by gmsh in both formats; all datasets of a small file, in several
-//! forms, against the same mesh in the language of Nastran; wrong files with their messages.
+//! forms, against the same mesh in the language of Nastran; files of Salome and PERMAS; normal modes; wrong files
+//! with their messages.
 
 use std::fmt::Write as _;
 use std::io::Read;
@@ -10,9 +11,12 @@ use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerRequest};
 use eng_flexible::mesh::{Carries, ElementKind, Mesh, Tie};
 use eng_flexible::read::gmsh::read_msh;
+use eng_flexible::read::matrix::{ForeignModes, ShapeFormat, read_modes};
 use eng_flexible::read::universal::read_unv;
+use eng_flexible::recover::Recovery;
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
+use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{FlexibleError, MeshFormat, read_mesh};
 use eng_system::flexible::{ALL_FREEDOMS, MarkerPlace, Selection, Spider};
@@ -335,6 +339,11 @@ fn one_file_in_several_forms() {
     let same = |text: &str| assert_eq!(contents(&mesh(text.as_bytes())), expected);
     same(&plain.replace('\n', "\r\n"));
     same(&plain.replace("    -1\n", "-1\n\n"));
+    // remarks between datasets
+    same(&plain.replace(
+        "    -1\n    -1\n",
+        "    -1\nWorkpiece\nFile of 1 Jun\n    -1\n",
+    ));
     same(&plain.replace("D+", "E+").replace("D-", "e-"));
     // one blank between the numbers
     let free: Vec<String> = plain
@@ -596,6 +605,314 @@ fn another_format_is_named() {
     let error = read_mesh(&files, "a.unv", MeshFormat::Universal).unwrap_err();
     assert!(
         error.to_string().contains("holds cards of Nastran"),
+        "{error}"
+    );
+}
+
+/// A box of 200 × 10 × 50 mm that Salome wrote, with faces and edges in groups. The file states metres.
+#[test]
+fn a_box_of_salome() {
+    let mut own = mesh(data("salome.unv").as_bytes());
+    is_consistent(&own);
+    assert_eq!(own.elements.len(), 149);
+    let all = |name: &str, x: f64| {
+        let nodes = own.sets[name].nodes();
+        let own_x = |node: &u32| own.nodes[*node as usize].position[0];
+        nodes.len() > 4 && nodes.iter().all(|node| own_x(node) == x)
+    };
+    assert!(all("Left_Side", 0.0) && all("Right_Side", 200.0));
+    assert_eq!(
+        own.units,
+        Some(("SI: Meter (newton)".into(), [1.0, 1.0, 1.0]))
+    );
+    own.convert(&MeshUnits::named("mm_tonne_s").unwrap());
+    own.set_material(2.1e11, 0.3, 7850.0).unwrap();
+    let request = Request {
+        terms: vec![Term::Normal {
+            modes: Modes::Count(1),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    let report = reduce(own, &request).unwrap().report;
+    assert!(
+        (report.body.mass / 0.785 - 1.0).abs() < 1e-12,
+        "{}",
+        report.body.mass
+    );
+    for (x, expected) in report.body.centre.iter().zip([0.1, 0.005, 0.025]) {
+        assert!((x - expected).abs() < 1e-13, "{x}");
+    }
+}
+
+/// Real numbers of 13 columns, six on a line.
+fn singles(values: &[f64]) -> String {
+    let one = |value: &f64| {
+        let plain = format!("{value:.5e}");
+        let (digits, exponent) = plain.split_once('e').unwrap();
+        let exponent: i32 = exponent.parse().unwrap();
+        let sign = if exponent < 0 { '-' } else { '+' };
+        format!("{:>13}", format!("{digits}E{sign}{:02}", exponent.abs()))
+    };
+    let lines = values.chunks(6);
+    lines
+        .map(|line| line.iter().map(one).collect::<String>() + "\n")
+        .collect()
+}
+
+/// A shape: the values of each node.
+type Values<'a> = [(u64, &'a [f64])];
+
+fn at_nodes(values: &Values<'_>) -> String {
+    let node = |(node, values): &(u64, &[f64])| whole(&[*node]) + &singles(values);
+    values.iter().map(node).collect()
+}
+
+/// A mode as dataset 55.
+fn mode_of_55(number: u64, frequency: f64, kind: [u64; 6], values: &Values<'_>) -> String {
+    let head = [
+        "NONE\n\na third line\nNONE\nNONE\n".to_owned(),
+        whole(&kind),
+        whole(&[2, 4, 1, number]),
+        singles(&[frequency, 0.0, 0.0, 0.0]),
+    ];
+    dataset("55", &(head.concat() + &at_nodes(values)))
+}
+
+/// A mode as dataset 2414, at a location.
+fn mode_of_2414(
+    (number, frequency): (u64, f64),
+    location: u64,
+    kind: [u64; 6],
+    values: &Values<'_>,
+) -> String {
+    let mut reals = [0.0; 12];
+    reals[1] = frequency;
+    let head = [
+        whole(&[number]),
+        "\n".to_owned(),
+        whole(&[location]),
+        "NONE\n\na third line\nNONE\nNONE\n".to_owned(),
+        whole(&kind),
+        whole(&[0, 0, 1, 0, 0, number, 0, 0]),
+        whole(&[0, 0]),
+        singles(&reals),
+    ];
+    dataset("2414", &(head.concat() + &at_nodes(values)))
+}
+
+fn shapes_of(text: &str) -> Result<ForeignModes, FlexibleError> {
+    read_modes(
+        &Memory::new(&[("a.unv", text)]),
+        "a.unv",
+        ShapeFormat::Universal,
+    )
+}
+
+const FIRST: &Values<'_> = &[(11, &[1.0, -0.5, 0.25]), (40, &[0.0, 2.0, -3.0])];
+const SECOND: &Values<'_> = &[(11, &[-1e-3, 0.5, 7.0]), (40, &[4.0, 0.0, 0.125])];
+const TRANSLATIONS: [u64; 6] = [1, 2, 2, 8, 2, 3];
+
+#[test]
+fn normal_modes_of_universal_files() {
+    let are_the_modes = |modes: &ForeignModes| {
+        assert_eq!(modes.nodes, [11, 40]);
+        assert_eq!(modes.modes.len(), 2);
+        for (mode, (number, frequency, values)) in
+            modes.modes.iter().zip([(1, 32.0, FIRST), (2, 0.5, SECOND)])
+        {
+            assert_eq!(mode.number, number);
+            let angular = 2.0 * std::f64::consts::PI * frequency;
+            assert_eq!(mode.eigenvalue, Some(angular * angular));
+            for (row, (_, values)) in mode.shape.iter().zip(values) {
+                assert_eq!(row[..3], **values);
+                assert_eq!(row[3..], [0.0; 3]);
+            }
+        }
+    };
+    let old = mode_of_55(1, 32.0, TRANSLATIONS, FIRST) + &mode_of_55(2, 0.5, TRANSLATIONS, SECOND);
+    are_the_modes(&shapes_of(&old).unwrap());
+    let new = mode_of_2414((1, 32.0), 1, TRANSLATIONS, FIRST)
+        + &mode_of_2414((2, 0.5), 1, TRANSLATIONS, SECOND);
+    are_the_modes(&shapes_of(&new).unwrap());
+    // beside the mesh, other results, and modes without numbers
+    let others = mode_of_55(1, 9.0, [1, 5, 2, 8, 2, 3], FIRST)
+        + &mode_of_55(1, 9.0, [1, 2, 2, 9, 2, 3], FIRST)
+        + &mode_of_2414((1, 9.0), 2, TRANSLATIONS, FIRST)
+        + &mode_of_2414((1, 9.0), 1, [1, 2, 1, 5, 2, 1], &[(11, &[1.0])]);
+    let unnumbered = old
+        .replace(&whole(&[2, 4, 1, 1]), &whole(&[2, 4, 0, 0]))
+        .replace(&whole(&[2, 4, 1, 2]), &whole(&[2, 4, 0, 0]));
+    let mesh_alone = small(1).replace(&dataset("55", "results\n 1 2 3\n"), "");
+    are_the_modes(&shapes_of(&(mesh_alone + &others + &unnumbered)).unwrap());
+    // complex numbers without imaginary parts
+    let pairs = |values: &Values<'_>| -> Vec<(u64, Vec<f64>)> {
+        let pair = |(node, values): &(u64, &[f64])| {
+            let both = values.iter().flat_map(|x| [*x, -0.0]);
+            (*node, both.collect())
+        };
+        values.iter().map(pair).collect()
+    };
+    let complex = |number, frequency, values: &Values<'_>| {
+        let values = pairs(values);
+        let values: Vec<(u64, &[f64])> = values
+            .iter()
+            .map(|(node, values)| (*node, values.as_slice()))
+            .collect();
+        mode_of_2414((number, frequency), 1, [1, 2, 2, 8, 5, 3], &values)
+    };
+    are_the_modes(&shapes_of(&(complex(1, 32.0, FIRST) + &complex(2, 0.5, SECOND))).unwrap());
+    // rotations, and numbers that touch each other
+    let six: &Values<'_> = &[(3, &[1.0, 2.0, 3.0, -4.0, 5.0, 6.0])];
+    let mode = mode_of_55(1, 32.0, [1, 2, 3, 8, 2, 6], six);
+    let found = shapes_of(&mode).unwrap();
+    assert_eq!(found.modes[0].shape, [[1.0, 2.0, 3.0, -4.0, 5.0, 6.0]]);
+    let touching = mode.replace("  3.00000E+00 -4.00000E+00", " 3.000000E+00-4.000000E+00");
+    assert_ne!(touching, mode);
+    assert_eq!(shapes_of(&touching).unwrap().modes, found.modes);
+}
+
+#[test]
+fn wrong_modes_and_their_messages() {
+    let mode = mode_of_55(1, 32.0, TRANSLATIONS, FIRST);
+    let last = singles(FIRST[1].1);
+    for (text, message) in [
+        (
+            mode_of_55(1, 32.0, [1, 5, 2, 8, 2, 3], FIRST),
+            "contains no mode shape",
+        ),
+        (
+            mode_of_55(1, 32.0, [1, 2, 2, 8, 2, 4], FIRST),
+            "a.unv:8: dataset 55: a node has 4 values",
+        ),
+        (
+            mode_of_55(1, 32.0, TRANSLATIONS, &[(11, &[1.0, 2.0, 3.0, 4.0])]),
+            "dataset 55: node 11 has 4 numbers instead of 3",
+        ),
+        (
+            mode_of_55(
+                1,
+                32.0,
+                [1, 2, 2, 8, 5, 3],
+                &[(11, &[1.0, 0.0, 1.0, 1e-3, 0.0, 0.0])],
+            ),
+            "dataset 55: the shape of node 11 is complex",
+        ),
+        (
+            mode.replace(&last, ""),
+            "dataset 55: the dataset ends inside node 40",
+        ),
+        (
+            mode[..mode.len() - 7].to_owned(),
+            "dataset 55: the file ends inside it",
+        ),
+        (
+            mode.replace("2.00000E+00", "        two"),
+            "dataset 55: \"two\" is no number",
+        ),
+        (
+            mode.replace(&whole(&[2, 4, 1, 1]), &whole(&[2, 40, 1, 1])),
+            "dataset 55: the number of real numbers is not 1 to 12",
+        ),
+        (
+            dataset("55", "results\n 1 2 3\n"),
+            "a.unv:2: dataset 55: it ends inside its heading",
+        ),
+        (
+            mode.clone() + &mode_of_55(2, 0.5, TRANSLATIONS, &SECOND[..1]),
+            "mode 2 is stated at 1 nodes, which are not the 2 nodes of the modes before",
+        ),
+        (
+            "GRID,1,,0.,0.,0.\n".to_owned(),
+            "the model states `format: universal`, but the file holds cards of Nastran",
+        ),
+    ] {
+        let error = shapes_of(&text).unwrap_err();
+        assert!(error.to_string().contains(message), "{message}: {error}");
+        assert!(!error.advice().is_empty(), "{error}");
+    }
+}
+
+/// The cantilevered plate of 20 × 20 shells that PERMAS computed, beside the same cells of Eng. The file states neither
+/// thickness nor material, which scale all frequencies of a thin plate alike.
+#[test]
+fn shapes_of_permas_are_those_of_the_same_plate() {
+    let text = data("permas.unv");
+    let given = shapes_of(&text).unwrap();
+    let records = |number: &str| -> Vec<&str> {
+        let head = format!("    -1\n  {number}\n");
+        let (_, rest) = text.split_once(&head).unwrap();
+        rest.split_once("    -1\n").unwrap().0.lines().collect()
+    };
+    let first = |line: &str| line.split_whitespace().next().unwrap().to_owned();
+    let mut deck = "BEGIN BULK\nPSHELL,1,1,.01,1,,1\nMAT1,1,2.1+11,,.3,7850.\n".to_owned();
+    for node in records("2411").chunks(2) {
+        let place = node[1].replace('D', "E");
+        let place: Vec<f64> = place
+            .split_whitespace()
+            .map(|x| x.parse().unwrap())
+            .collect();
+        let id = first(node[0]);
+        writeln!(
+            deck,
+            "GRID,{id},,{:?},{:?},{:?}",
+            place[0], place[1], place[2]
+        )
+        .unwrap();
+        if place[0] == 0.0 {
+            writeln!(deck, "SPC1,1,123456,{id}").unwrap();
+        }
+    }
+    for element in records("2412").chunks(2) {
+        let nodes: Vec<&str> = element[1].split_whitespace().collect();
+        writeln!(deck, "CQUAD4,{},1,{}", first(element[0]), nodes.join(",")).unwrap();
+    }
+    let request = Request {
+        rules: Rules::exact(),
+        support_of_deck: true,
+        terms: vec![Term::Normal {
+            modes: Modes::Count(10),
+            fixed: Vec::new(),
+        }],
+        ..Request::default()
+    };
+    let own = reduce(nastran_deck::mesh(&(deck + "ENDDATA\n")), &request).unwrap();
+    let stored = StoredBody::new(own, Rules::exact(), Key([0; 32]), Vec::new());
+    let found = Recovery::of_stored(&stored)
+        .unwrap()
+        .compare(&given)
+        .unwrap();
+    assert_eq!(
+        (found.common, found.nodes, found.modes.len()),
+        (441, 441, 10)
+    );
+    let mut ratios = Vec::new();
+    for (index, mode) in found.modes.iter().enumerate() {
+        assert_eq!((mode.number, mode.nearest), (index as u64 + 1, index));
+        assert!(mode.assurance > 0.9999 && mode.assurance <= 1.0, "{mode:?}");
+        let angular = mode.eigenvalue.unwrap().sqrt();
+        ratios.push(2.0 * std::f64::consts::PI * stored.body.frequencies[index] / angular);
+    }
+    for ratio in &ratios {
+        assert!((ratio / ratios[0] - 1.0).abs() < 7e-3, "{ratios:?}");
+    }
+    // a part of the nodes, and none
+    let mut part = given.clone();
+    part.nodes[0] = 7000;
+    let fewer = Recovery::of_stored(&stored)
+        .unwrap()
+        .compare(&part)
+        .unwrap();
+    assert_eq!((fewer.common, fewer.nodes), (440, 441));
+    part.nodes = (7000..7441).collect();
+    let error = Recovery::of_stored(&stored)
+        .unwrap()
+        .compare(&part)
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("a.unv: no node of its shapes is in the mesh"),
         "{error}"
     );
 }

@@ -207,8 +207,11 @@ pub(super) struct ReduceArguments {
     /// Write into this folder
     #[arg(long, value_name = "DIR", requires = "to")]
     pub out: Option<PathBuf>,
-    /// Write only this body; may be given several times [default: all]
-    #[arg(long, value_name = "PATH", requires = "to")]
+    /// Compare the modes with mode shapes of another code on the same mesh: OP2, punch file, .frd, universal file
+    #[arg(long, value_name = "FILE")]
+    pub compare: Option<PathBuf>,
+    /// Write and compare only this body; may be given several times [default: all]
+    #[arg(long, value_name = "PATH")]
     pub body: Vec<String>,
     /// Number of the first point in Nastran and Abaqus; the points of further bodies follow [default: 1]
     #[arg(long, value_name = "NUMBER", requires = "to")]

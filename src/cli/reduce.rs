@@ -5,14 +5,26 @@ use super::open::checked;
 use super::outputs::folder;
 use super::terminal::Terminal;
 use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM};
+use crate::regular;
 use crate::results::replace_file;
 use crate::{BodyFile, BodyFormat, HandOverError, Reduction};
-use std::io::Write as _;
+use eng_flexible::read::matrix::{ForeignModes, read_modes, shape_format};
+use eng_flexible::{Files, FlexibleError};
+use std::io::{self, Read, Write as _};
 use std::path::{Path, PathBuf};
 
-/// The reason why bodies were not written.
+/// The reason why bodies were not written or compared.
 #[derive(Debug, thiserror::Error)]
 enum Refused {
+    #[error("--body selects bodies for --to and --compare; neither is given")]
+    OnlyBody,
+    #[error(
+        "{}: it does not begin as a file of mode shapes: OP2, punch file, .frd of CalculiX or universal file",
+        .0.display()
+    )]
+    NoShapes(PathBuf),
+    #[error("{0}; {advice}", advice = .0.advice())]
+    Shapes(FlexibleError),
     #[error("--first-point is for the formats dmig and abaqus; the others have no points")]
     NoPoints,
     #[error(transparent)]
@@ -24,16 +36,39 @@ enum Refused {
     )]
     TwoBodies(String),
     #[error("{}: {source}", path.display())]
-    File {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    File { path: PathBuf, source: io::Error },
+}
+
+/// A file of the command line, by whatever name it is opened.
+struct OnDisk<'p>(&'p Path);
+
+impl Files for OnDisk<'_> {
+    fn open(&self, _: &str) -> io::Result<Box<dyn Read>> {
+        Ok(Box::new(regular::open(self.0)?))
+    }
+}
+
+/// The mode shapes to compare with.
+fn shapes(file: &Path) -> Result<ForeignModes, Refused> {
+    let (path, name) = (file.to_owned(), file.to_string_lossy());
+    let files = OnDisk(file);
+    if let Err(source) = files.open(&name) {
+        return Err(Refused::File { path, source });
+    }
+    let format = shape_format(&files, &name).ok_or(Refused::NoShapes(path))?;
+    read_modes(&files, &name, format).map_err(Refused::Shapes)
 }
 
 pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     if let Err(problem) = folder("--out", arguments.out.as_deref()) {
-        writeln!(console.errors, "error: {problem}")?;
-        return Err(Stop::Code(USAGE_OR_SYSTEM));
+        return refuse(problem, console);
+    }
+    let compared = match arguments.compare.as_deref().map(shapes).transpose() {
+        Ok(compared) => compared,
+        Err(error) => return refuse(error, console),
+    };
+    if !arguments.body.is_empty() && arguments.to.is_none() && compared.is_none() {
+        return refuse(Refused::OnlyBody, console);
     }
     let program = checked(&arguments.model, console)?;
     let (reductions, messages) = program
@@ -48,6 +83,11 @@ pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) ->
         return Ok(());
     }
     console.errors.messages(&messages, program.texts())?;
+    if !messages.has_errors()
+        && let Err(error) = all_known(arguments, &reductions)
+    {
+        return refuse(error, console);
+    }
     // before anything is printed, because the reader of the output may close it
     let written = match (arguments.to, &arguments.out) {
         (Some(to), Some(out)) if !messages.has_errors() => {
@@ -57,7 +97,13 @@ pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) ->
     };
     let mut texts = Vec::new();
     for reduction in &reductions {
-        let text = reduction.text();
+        let mut text = reduction.text();
+        if let Some(shapes) = compared.as_ref().filter(|_| is_asked(arguments, reduction)) {
+            match reduction.compared(shapes) {
+                Ok(lines) => text += &lines,
+                Err(error) => return refuse(Refused::Shapes(error), console),
+            }
+        }
         // bodies of one component have the same reduction
         if !texts.contains(&text) {
             write!(console.output, "{text}")?;
@@ -70,6 +116,28 @@ pub(super) fn reduce(arguments: &ReduceArguments, console: &mut Terminal<'_>) ->
     match messages.has_errors() {
         true => Err(Stop::Code(MODEL_WRONG)),
         false => Ok(()),
+    }
+}
+
+/// Stops with a message about the use of the command.
+fn refuse(problem: impl std::fmt::Display, console: &mut Terminal<'_>) -> Result<(), Stop> {
+    writeln!(console.errors, "error: {problem}")?;
+    Err(Stop::Code(USAGE_OR_SYSTEM))
+}
+
+/// Refuses names of bodies that the program does not have.
+fn all_known(arguments: &ReduceArguments, reductions: &[Reduction]) -> Result<(), Refused> {
+    let known = reductions.iter().map(Reduction::path).collect::<Vec<_>>();
+    let unknown = arguments
+        .body
+        .iter()
+        .find(|body| !known.contains(&body.as_str()));
+    match unknown {
+        None => Ok(()),
+        Some(asked) => Err(Refused::Unknown {
+            asked: asked.clone(),
+            known: known.join(", "),
+        }),
     }
 }
 
@@ -113,17 +181,6 @@ fn written(
     to: BodyTarget,
     out: &Path,
 ) -> Result<Vec<PathBuf>, Refused> {
-    let known = reductions.iter().map(Reduction::path).collect::<Vec<_>>();
-    if let Some(asked) = arguments
-        .body
-        .iter()
-        .find(|body| !known.contains(&body.as_str()))
-    {
-        return Err(Refused::Unknown {
-            asked: asked.clone(),
-            known: known.join(", "),
-        });
-    }
     let format = match to {
         BodyTarget::Numpy => BodyFormat::Numpy,
         BodyTarget::Op4 => BodyFormat::Op4,

@@ -2,6 +2,7 @@
 //! them.
 
 mod cache;
+mod comparison;
 mod hand_over;
 mod inspection;
 mod plausibility;
@@ -41,6 +42,8 @@ pub struct Reduction {
     at: Location,
     /// A note if its mass differs from that of the code of its file because the text states no rules.
     own_mass: Option<&'static str>,
+    /// Seconds of the unit of time of its mesh file.
+    time: f64,
 }
 
 impl Reduction {
@@ -250,7 +253,9 @@ impl Reducer {
         let mut body = stored.body.clone();
         body.damp(&source.damping);
         let by_default = source.element_rules.is_none() && source.stiffness.is_none();
+        let units = source.mesh.file().and_then(|file| file.units);
         Ok(Reduction {
+            time: units.map_or(1.0, |units| units.time),
             own_mass: by_default
                 .then(|| plausibility::own_mass(&stored.mesh))
                 .flatten(),

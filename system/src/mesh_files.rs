@@ -80,6 +80,8 @@ pub enum ShapeFormat {
     Punch,
     /// CalculiX's `.frd`.
     Frd,
+    /// A universal file of I-deas.
+    Universal,
 }
 
 impl Stated for ShapeFormat {
@@ -87,6 +89,7 @@ impl Stated for ShapeFormat {
         ("op2", ShapeFormat::Op2),
         ("punch", ShapeFormat::Punch),
         ("frd", ShapeFormat::Frd),
+        ("universal", ShapeFormat::Universal),
     ];
 }
 

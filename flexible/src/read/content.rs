@@ -85,7 +85,7 @@ impl Content {
     }
 
     /// The contents of a file, if its beginning shows them. A compressed file is unpacked.
-    fn of(files: &dyn Files, file: &str) -> Option<Content> {
+    pub(crate) fn of(files: &dyn Files, file: &str) -> Option<Content> {
         let mut bytes = Vec::new();
         let mut beginning = super::open(files, file).ok()?.take(BEGINNING);
         // after an error, the bytes read so far are enough

@@ -1,4 +1,5 @@
-//! From amplitudes back to nodes: motion of nodes, stresses, and the surface for pictures.
+//! From amplitudes back to nodes: motion of nodes, stresses, and the surface for pictures. The shapes beside those of another
+//! code.
 //!
 //! ```text
 //! u = Φ a      σ = Σ a_k σ_k
@@ -7,9 +8,11 @@
 //! σ_k is the stress of shape k, computed once. Under loads that have a static mode the stress equals that of
 //! the whole finite-element model. The stress of inertia is approximate: its accuracy depends on the modes.
 
+pub mod comparison;
 pub mod motion;
 pub mod stress;
 
+pub use comparison::{ModeComparison, NearestMode};
 pub use motion::{Amplitudes, Both, FrameMotion, NodeMotion, NodeShapes};
 pub use stress::{Envelope, ModalStress, principal};
 

@@ -9,7 +9,7 @@
 //! bytes (Fortran records) ─▶ op4, op2 ─┐
 //! text (lines) ─▶ op4, coordinate      ├─▶ ForeignMatrix ─▶ SymmetricMatrix
 //! cards ─▶ DMIG ───────────────────────┘
-//! op2, punch, frd ─▶ ForeignModes
+//! op2, punch, frd, universal file ─▶ ForeignModes
 //! ```
 
 mod bytes;
@@ -25,6 +25,7 @@ mod table;
 pub(super) mod text;
 
 pub use super::nastran::read_dmig;
+pub use super::universal::read_unv_modes;
 pub(crate) use coordinate::of_pairs;
 pub use coordinate::{read_abaqus_matrix, read_calculix_freedoms, read_calculix_matrix};
 pub use frd::read_frd_modes;
@@ -39,6 +40,7 @@ use super::content::{Content, Readable, explained};
 pub(super) use crate::read::source::whole;
 
 use crate::error::{FileProblem, FlexibleError};
+use eng_system::mesh_files::Stated;
 pub use eng_system::mesh_files::{MatrixFormat, ShapeFormat};
 
 /// The kind of a matrix, for its checks.
@@ -195,12 +197,20 @@ impl Readable for ShapeFormat {
                 matches!(content, Content::PunchedShapes | Content::NastranCards)
             }
             ShapeFormat::Frd => content == Content::Frd,
+            ShapeFormat::Universal => content == Content::UniversalFile,
         }
     }
 
     fn written(name: &str) -> String {
         format!("`format: {name}`")
     }
+}
+
+/// The format of a file of mode shapes, by its beginning; `None` if it has the beginning of no such file.
+pub fn shape_format(files: &dyn Files, file: &str) -> Option<ShapeFormat> {
+    let content = Content::of(files, file)?;
+    let mut formats = ShapeFormat::NAMED.iter().map(|(_, format)| *format);
+    formats.find(|format| format.reads(content))
 }
 
 /// Reads mode shapes of a stated format.
@@ -216,6 +226,7 @@ pub fn read_modes(
         ShapeFormat::Op2 => read_op2_modes(files, file),
         ShapeFormat::Punch => read_punch_modes(files, file),
         ShapeFormat::Frd => read_frd_modes(files, file),
+        ShapeFormat::Universal => read_unv_modes(files, file),
     };
     explained(files, file, format, read.map_err(FlexibleError::from))
 }

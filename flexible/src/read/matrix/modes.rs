@@ -42,7 +42,7 @@ pub struct ForeignModes {
 
 impl ForeignModes {
     /// None yet.
-    pub(super) fn new(file: &str, frame: ShapeFrame, digits: u32) -> Self {
+    pub(in crate::read) fn new(file: &str, frame: ShapeFrame, digits: u32) -> Self {
         ForeignModes {
             file: file.into(),
             nodes: Vec::new(),
@@ -56,7 +56,7 @@ impl ForeignModes {
     }
 
     /// Adds a mode with the node of each row; all modes must be on the same nodes.
-    pub(super) fn push(
+    pub(in crate::read) fn push(
         &mut self,
         number: u64,
         eigenvalue: Option<f64>,
@@ -85,7 +85,7 @@ impl ForeignModes {
     }
 
     /// The modes, if there are any.
-    pub(super) fn finish(self, advice: &str) -> Result<Self, FileProblem> {
+    pub(in crate::read) fn finish(self, advice: &str) -> Result<Self, FileProblem> {
         if self.nodes.is_empty() || self.modes.is_empty() {
             return Err(whole(&self.file, "contains no mode shape", advice));
         }

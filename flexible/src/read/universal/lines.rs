@@ -16,7 +16,7 @@ const SYNTAX: Syntax = Syntax {
 pub(super) const AGAIN: &str = "write the file again; numbers need spaces between them, or the columns of the dataset's format";
 
 /// The line that begins and ends a dataset.
-const BRACKET: &str = "-1";
+pub(super) const BRACKET: &str = "-1";
 
 /// A record: a line of a dataset.
 #[derive(Clone, Debug)]
@@ -86,6 +86,31 @@ impl Record {
         let found = self.integers(N)?;
         // as many as requested
         <[i64; N]>::try_from(found).map_err(|_| self.problem("a number is missing", AGAIN))
+    }
+
+    /// The whole numbers of a line, however many. Blanks part them.
+    pub fn whole_numbers(&self) -> Result<Vec<i64>, FileProblem> {
+        let words = self.text.split_ascii_whitespace();
+        words.map(|text| self.integer(text)).collect()
+    }
+
+    /// The real numbers of a line, however many. Blanks part them, or they fill 13 columns each.
+    pub fn real_numbers(&self) -> Result<Vec<f64>, FileProblem> {
+        let words = self.text.split_ascii_whitespace();
+        let apart: Option<Vec<f64>> = words.map(number::real).collect();
+        if let Some(values) = apart {
+            return Ok(values);
+        }
+        let mut values = Vec::new();
+        let mut rest = self.text.as_str();
+        while !rest.trim().is_empty() {
+            let Some((field, after)) = rest.split_at_checked(rest.len().min(13)) else {
+                return Err(self.problem("a number has other characters than digits", AGAIN));
+            };
+            values.push(self.real(field.trim())?);
+            rest = after;
+        }
+        Ok(values)
     }
 
     fn integer(&self, text: &str) -> Result<i64, FileProblem> {
@@ -185,10 +210,17 @@ impl<'f> Lines<'f> {
         }
     }
 
-    /// The beginning of the next dataset; `None` at the end of the file.
+    /// The beginning of the next dataset; `None` at the end of the file. Remarks between datasets, which some programs write,
+    /// are left out. A remark begins with a letter, data do not.
     pub fn next(&mut self) -> Result<Option<Head>, FileProblem> {
-        let Some((text, at)) = self.line_with_text()? else {
-            return Ok(None);
+        let (text, at) = loop {
+            let Some((text, at)) = self.line_with_text()? else {
+                return Ok(None);
+            };
+            let words = text.trim_start().starts_with(|c: char| c.is_alphabetic());
+            if !(words && self.head.number > 0) {
+                break (text, at);
+            }
         };
         if text.trim() != BRACKET {
             return Err(at.problem(

@@ -1,4 +1,5 @@
-//! Universal files of I-deas (`.unv`, `.uff`): nodes, solids, rigid elements and groups become a [`Mesh`].
+//! Universal files of I-deas (`.unv`, `.uff`): nodes, solids, rigid elements and groups become a [`Mesh`], normal modes
+//! become [`crate::read::matrix::ForeignModes`].
 //!
 //! A group is a set with its name and `group:N`; `material:N` is a set, too. A property is a table of
 //! physical properties and has its number as name. Materials and thicknesses are in tables that are not read,
@@ -9,12 +10,16 @@
 //! (University of Cincinnati, Structural Dynamics Research Laboratory); order of nodes: files of gmsh 4.15.
 //!
 //! ```text
-//! lines ─▶ deck (contents of datasets) ─▶ elements, groups ─▶ mesh
+//! lines ─┬▶ deck (contents of datasets) ─▶ elements, groups ─▶ mesh
+//!        └▶ modes
 //! ```
 
 mod deck;
 mod descriptors;
 mod lines;
+mod modes;
+
+pub use modes::read_unv_modes;
 
 use std::collections::BTreeMap;
 
