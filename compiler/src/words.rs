@@ -170,6 +170,14 @@ const MESH_WITH_UNITS: &[Argument] = &[
     optional("units", Takes::Word(UNITS)),
     optional("ignore", Takes::Texts),
 ];
+/// A mesh of gmsh, whose surfaces may be shells.
+const MESH_WITH_SHELLS: &[Argument] = &[
+    FILE,
+    named("units", Takes::Word(UNITS)),
+    optional("ignore", Takes::Texts),
+    optional("shells", Takes::Texts),
+    optional("thickness", Takes::Length),
+];
 const LIST: Argument = optional("freedoms", Takes::Text);
 const PER_NODE: Argument = optional("per_node", Takes::Count);
 const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text), LIST, PER_NODE];
@@ -210,7 +218,7 @@ pub(crate) const WORDS: &[Word] = &[
     Word {
         word: "gmsh",
         place: Place::Mesh,
-        arguments: MESH,
+        arguments: MESH_WITH_SHELLS,
         example: "gmsh(\"rod.msh\", units: mm_tonne_s)",
     },
     Word {

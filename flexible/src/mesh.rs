@@ -684,7 +684,7 @@ impl Mesh {
         nodes
     }
 
-    /// Gives a material to all solids of a mesh without materials. Materials of the file that lack only the
+    /// Gives a material to all solids and shells of a mesh without materials. Materials of the file that lack only the
     /// density take the density of this one.
     ///
     /// # Errors
@@ -758,8 +758,15 @@ impl Mesh {
             );
         }
         let mut taken = false;
+        let without_code = self.code == Code::None;
         for property in &mut self.properties {
-            if property.section == Section::Solid && property.material.is_none() {
+            let has_body = match property.section {
+                Section::Solid => true,
+                // a shell without material of another code has only its added mass, and a facet has no thickness
+                Section::Shell(shell) => without_code && shell.thickness > 0.0,
+                _ => false,
+            };
+            if has_body && property.material.is_none() {
                 property.material = Some(0);
                 taken = true;
             }

@@ -4,10 +4,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
-use crate::nastran_deck::{Memory, element_ids, is_consistent, set, set_ids, unread};
+use crate::nastran_deck::{self, Memory, element_ids, is_consistent, set, set_ids, unread};
+use eng_flexible::fe::Rules;
 use eng_flexible::mesh::{Carries, ElementKind, Mesh};
-use eng_flexible::read::gmsh::read_msh;
+use eng_flexible::read::gmsh::{ShellGroups, read_msh, read_msh_with_shells};
+use eng_flexible::reduce::{Request, Term, reduce};
+use eng_flexible::solve::Modes;
+use eng_flexible::units::MeshUnits;
 use eng_flexible::{FileProblem, FlexibleError, Place};
+use eng_system::mesh_files::Stated as _;
 use proptest::prelude::*;
 
 fn try_read(bytes: &[u8]) -> Result<Mesh, FileProblem> {
@@ -480,4 +485,137 @@ proptest! {
         survives(text.as_bytes());
         survives(format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{text}").as_bytes());
     }
+}
+
+/// A plate of two quadrangles and two triangles, with an edge.
+const PLATE: &str = "\
+$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 1 \"EDGE\"
+2 5 \"COVER\"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 10 0 0
+3 20 0 0
+4 30 0 0
+5 0 10 0
+6 10 10 0
+7 20 10 0
+8 30 10 0
+$EndNodes
+$Elements
+5
+1 1 2 1 1 1 5
+2 3 2 5 1 1 2 6 5
+3 3 2 5 1 2 3 7 6
+4 2 2 5 2 3 4 8
+5 2 2 5 2 3 8 7
+$EndElements
+";
+
+fn with_shells(text: &str, groups: &[&str]) -> Result<Mesh, FlexibleError> {
+    let groups: Vec<String> = groups.iter().map(|group| (*group).to_owned()).collect();
+    let shells = ShellGroups {
+        groups: &groups,
+        thickness: 2.0,
+    };
+    read_msh_with_shells(&Memory::new(&[("mesh.msh", text)]), "mesh.msh", shells)
+}
+
+/// Groups of surfaces as shells: the frequencies of the same shells in the language of Nastran.
+#[test]
+fn surfaces_are_shells_of_a_stated_thickness() {
+    let units = MeshUnits::named("mm_tonne_s").unwrap();
+    let frequencies = |mesh: Mesh| {
+        let request = Request {
+            rules: Rules::exact(),
+            terms: vec![Term::Normal {
+                modes: Modes::Count(6),
+                fixed: Vec::new(),
+            }],
+            ..Request::default()
+        };
+        reduce(mesh, &request).unwrap().body.frequencies
+    };
+    let mut plate = with_shells(PLATE, &["COVER"]).unwrap();
+    is_consistent(&plate);
+    assert_eq!(plate.elements.len(), 4);
+    assert_eq!(set(&plate, "COVER").elements(), [0, 1, 2, 3]);
+    assert_eq!(set_ids(&plate, "EDGE"), [1, 5]);
+    assert_eq!(plate.properties[0].name, "COVER");
+    // the number of the group in place of its name
+    let by_number = with_shells(PLATE, &["physical:5"]).unwrap();
+    assert_eq!(by_number.properties[0].name, "physical:5");
+    plate.convert(&units);
+    plate.set_material(2.1e11, 0.3, 7850.0).unwrap();
+    let mut deck = nastran_deck::mesh(
+        "GRID,1,,0.,0.,0.\nGRID,2,,10.,0.,0.\nGRID,3,,20.,0.,0.\nGRID,4,,30.,0.,0.\n\
+         GRID,5,,0.,10.,0.\nGRID,6,,10.,10.,0.\nGRID,7,,20.,10.,0.\nGRID,8,,30.,10.,0.\n\
+         CQUAD4,2,5,1,2,6,5\nCQUAD4,3,5,2,3,7,6\nCTRIA3,4,5,3,4,8\nCTRIA3,5,5,3,8,7\n\
+         PSHELL,5,1,2.,1,,1\nMAT1,1,210000.,,.3,7.85-9\n",
+    );
+    deck.convert(&units);
+    let (found, expected) = (frequencies(plate), frequencies(deck));
+    assert_eq!(found.len(), 6);
+    for (x, y) in found.iter().zip(&expected) {
+        assert!((x / y - 1.0).abs() < 1e-9, "{found:?} {expected:?}");
+    }
+}
+
+#[test]
+fn shells_on_a_face_of_solids() {
+    let mesh = with_shells(SMALL, &["a face"]).unwrap();
+    is_consistent(&mesh);
+    let kinds: Vec<ElementKind> = mesh.elements.iter().map(|element| element.kind).collect();
+    assert_eq!(
+        kinds,
+        [
+            ElementKind::Triangle6,
+            ElementKind::Tetrahedron10,
+            ElementKind::Tetrahedron10
+        ]
+    );
+    assert_eq!(element_ids(&mesh, 3), [1, 2, 3, 5, 6, 7]);
+    assert_eq!(set_ids(&mesh, "a face"), [1, 2, 3, 5, 6, 7]);
+    assert_eq!(set(&mesh, "physical:2:1").elements(), [0]);
+    let names = mesh.properties.iter().map(|own| own.name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["a face", "all", "volumes"]);
+}
+
+#[test]
+fn wrong_shells_and_their_messages() {
+    let nine = PLATE.replace("2 3 2 5 1 1 2 6 5\n", "2 10 2 5 1 1 2 6 5 1 2 3 4 7\n");
+    assert_ne!(nine, PLATE);
+    let unnamed = PLATE.replace("2 5 \"COVER\"", "1 7 \"other\"");
+    for (text, group, message) in [
+        (
+            PLATE,
+            "EDGE",
+            "the group EDGE has no triangle and no quadrangle; groups of surfaces are COVER",
+        ),
+        (
+            unnamed.as_str(),
+            "COVER",
+            "the group COVER has no triangle and no quadrangle; no group of surfaces has a name",
+        ),
+        (
+            nine.as_str(),
+            "COVER",
+            "element 2 is a surface of type 10, which Eng does not read",
+        ),
+    ] {
+        let error = with_shells(text, &[group]).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+        assert!(!error.advice().is_empty());
+    }
+    let problem = try_read(PLATE.as_bytes()).unwrap_err();
+    assert!(
+        problem.problem.contains("the file has no volume elements"),
+        "{problem}"
+    );
 }

@@ -17,6 +17,8 @@ use crate::codes;
 use crate::places::span;
 use eng_flexible::mesh::Mesh;
 use eng_flexible::modes::Dropped;
+use eng_flexible::read::gmsh::ShellGroups;
+use eng_flexible::read::read_mesh_of_gmsh;
 use eng_flexible::reduce::{Report, Served};
 use eng_flexible::stack::{StackError, stack_mesh};
 use eng_flexible::store::{Key, StoredBody};
@@ -143,7 +145,18 @@ fn mesh_of(
     let (mut mesh, units) = match &source.mesh {
         MeshSource::File(file) => {
             let wrong = |e| failed(codes::MESH, &e, at, "this mesh");
-            let mut mesh = read_mesh(files, &file.file, file.format).map_err(wrong)?;
+            let read = match &file.shells {
+                None => read_mesh(files, &file.file, file.format),
+                Some(shells) => {
+                    let unit = file.units.map_or(1.0, |units| units.length);
+                    let shells = ShellGroups {
+                        groups: &shells.groups,
+                        thickness: shells.thickness / unit,
+                    };
+                    read_mesh_of_gmsh(files, &file.file, shells)
+                }
+            };
+            let mut mesh = read.map_err(wrong)?;
             let units = plausibility::units(&mut mesh, file).map_err(wrong)?;
             mesh.convert(&units);
             (mesh, units)

@@ -115,6 +115,7 @@ fn mesh_text(source: &text::MeshSource) -> String {
                 &mesh.format,
                 &mesh.units,
                 plausibility::units_are_ignored(mesh),
+                &mesh.shells,
             );
             format!("{data:?}")
         }

@@ -118,8 +118,19 @@ pub struct MeshFile {
     pub units: Option<MeshUnits>,
     /// Cards and keywords that may be left out although they carry stiffness, mass or constraints.
     pub ignored: Vec<String>,
+    /// The surfaces of a mesh of gmsh that are shells.
+    pub shells: Option<ShellSurfaces>,
     /// Place of the source in the text.
     pub at: Location,
+}
+
+/// Surfaces that are shells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShellSurfaces {
+    /// Names of their groups in the file, or `physical:TAG`.
+    pub groups: Vec<String>,
+    /// Their thickness (m).
+    pub thickness: f64,
 }
 
 /// The source of a matrix.

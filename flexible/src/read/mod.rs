@@ -25,6 +25,7 @@ use crate::error::{FileProblem, FlexibleError, Place};
 use crate::mesh::{Code, Mesh};
 use content::{Content, Readable, explained};
 pub use eng_system::mesh_files::MeshFormat;
+use gmsh::ShellGroups;
 
 /// Opens files for the readers. Names are those of the model's text. A name inside a file (`INCLUDE`) is
 /// first relative to the including file, then to the model.
@@ -74,6 +75,19 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
         MeshFormat::Csv => csv::read_nodes(files, name),
     };
     explained(files, name, format, read)
+}
+
+/// Reads a mesh of gmsh, of which groups of triangles and quadrangles are shells. Its units are still those of the file.
+///
+/// # Errors
+/// Those of the reader, and a group without such surfaces. If the file has another format, the error names it.
+pub fn read_mesh_of_gmsh(
+    files: &dyn Files,
+    name: &str,
+    shells: ShellGroups<'_>,
+) -> Result<Mesh, FlexibleError> {
+    let read = gmsh::read_msh_with_shells(files, name, shells);
+    explained(files, name, MeshFormat::Gmsh, read)
 }
 
 /// The damage of a gzip-compressed file, found by unpacking all of it. `None` for an undamaged or an unpacked

@@ -5,11 +5,14 @@ use super::super::value::ScopeId;
 use super::super::{Elaborator, Eval, Reported, location};
 use super::meaning;
 use crate::codes;
-use crate::words::{Place, argument, word};
+use crate::words::{Place, Word, argument, word};
 use eng_grammar::ast::ExprKind;
 use eng_grammar::{Diagnostic, Span, ast};
-use eng_system::flexible::{Damping, MaterialSource, MatrixSource, MeshFile, MeshSource};
+use eng_system::flexible::{
+    Damping, MaterialSource, MatrixSource, MeshFile, MeshSource, ShellSurfaces,
+};
 use eng_system::mesh_files::{MatrixFormat, MeshFormat, Stated as _};
+use eng_system::significant::short;
 
 /// Damping ratio of all modes above which a value is implausible for a structure. A choice: steel structures
 /// have some per cent, rubber mounts ten and more.
@@ -26,21 +29,65 @@ impl<'a> Elaborator<'a, '_> {
         let file = self.checked(file, value.span, "a mesh without a file")?;
         let format = MeshFormat::named(word.word);
         let format = self.checked(format, value.span, "no format of a mesh")?;
-        let mut ignored = Vec::new();
-        if let Some(ExprKind::List { items, .. }) =
-            argument(word, arguments, "ignore").map(|list| &list.kind)
-        {
-            for item in items {
-                ignored.extend(self.text_of(Some(item), scope)?);
-            }
-        }
+        let ignored = self.texts(argument(word, arguments, "ignore"), scope)?;
+        let shells = self.shells_of_mesh((word, arguments), value.span, scope)?;
         Ok(MeshSource::File(MeshFile {
             format,
             file,
             units,
             ignored,
+            shells,
             at: location(value.span),
         }))
+    }
+
+    /// The texts of a list; none without a list.
+    fn texts(&mut self, list: Option<&'a ast::Expr>, scope: ScopeId) -> Eval<Vec<String>> {
+        let mut texts = Vec::new();
+        if let Some(ExprKind::List { items, .. }) = list.map(|list| &list.kind) {
+            for item in items {
+                texts.extend(self.text_of(Some(item), scope)?);
+            }
+        }
+        Ok(texts)
+    }
+
+    /// The surfaces of a mesh that are shells, if the text states any.
+    fn shells_of_mesh(
+        &mut self,
+        (word, arguments): (&'static Word, &'a [ast::Argument]),
+        span: Span,
+        scope: ScopeId,
+    ) -> Eval<Option<ShellSurfaces>> {
+        let groups = argument(word, arguments, "shells");
+        let thickness = argument(word, arguments, "thickness");
+        let missing = match (groups, thickness) {
+            (None, None) => return Ok(None),
+            (Some(_), None) => "the thickness is missing",
+            (None, Some(_)) => "the groups are missing",
+            (Some(groups), Some(stated)) => {
+                let groups = self.texts(Some(groups), scope)?;
+                let thickness = self.structural_number(stated, scope)?;
+                if thickness > 0.0 && thickness.is_finite() {
+                    return Ok(Some(ShellSurfaces { groups, thickness }));
+                }
+                return Err(self.report(
+                    Diagnostic::error(
+                        codes::FLEXIBLE_NUMBER,
+                        format!("`thickness` of `{}` must be positive", word.word),
+                    )
+                    .at(stated.span, format!("this is {} mm", short(1e3 * thickness, 4))),
+                ));
+            }
+        };
+        Err(self.report(
+            Diagnostic::error(
+                codes::FLEXIBLE,
+                "shells of a mesh have groups and a thickness",
+            )
+            .at(span, missing)
+            .with_help("write both: `shells: [\"COVER\"], thickness: 3 mm`"),
+        ))
     }
 
     pub(super) fn matrix_source(

@@ -1,11 +1,14 @@
-//! The contents of a mesh file: nodes, volumes, groups.
+//! The contents of a mesh file: nodes, volumes, shells, groups.
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::ShellGroups;
 use super::shapes::Type;
 use super::stream::Stream;
 use crate::error::FileProblem;
-use crate::mesh::{Carries, ElementKind, Mesh, Node, Property, Section, Set, Unread, Variant};
+use crate::mesh::{
+    Carries, ElementKind, Mesh, Node, Property, Section, Set, ShellSection, Unread, Variant,
+};
 use crate::read::builder::{NewElement, Once, TooMany, add_element};
 use crate::read::labels::Labels;
 
@@ -13,8 +16,10 @@ use crate::read::labels::Labels;
 pub(super) type Group = (u8, i64);
 
 /// The contents read so far.
-#[derive(Debug, Default)]
-pub(super) struct Content {
+#[derive(Debug)]
+pub(super) struct Content<'s> {
+    /// The surfaces that are shells.
+    shells: ShellGroups<'s>,
     /// Names of groups.
     pub names: BTreeMap<Group, String>,
     /// Groups of each entity (dimension, number).
@@ -24,14 +29,62 @@ pub(super) struct Content {
     labels: Option<Labels>,
     /// Nodes and elements of the groups.
     sets: BTreeMap<Group, (Vec<u32>, Vec<u32>)>,
-    /// Properties by the first group.
-    properties: Once<Option<i64>, Property>,
-    /// Volumes by their nodes, for files that repeat an element for each of its groups.
+    /// Properties by the dimension and the group that gives their name.
+    properties: Once<(u8, Option<i64>), Property>,
+    /// Elements by their nodes, for files that repeat an element for each of its groups.
     by_nodes: HashMap<Vec<u32>, u32>,
     lower: Option<Unread>,
 }
 
-impl Content {
+impl<'s> Content<'s> {
+    /// Of a file that is not read yet.
+    pub fn new(shells: ShellGroups<'s>) -> Self {
+        Content {
+            shells,
+            names: BTreeMap::new(),
+            groups_of: BTreeMap::new(),
+            mesh: Mesh::default(),
+            labels: None,
+            sets: BTreeMap::new(),
+            properties: Once::default(),
+            by_nodes: HashMap::new(),
+            lower: None,
+        }
+    }
+
+    /// A stated group of shells to which no element belongs.
+    pub fn group_without_shells(&self) -> Option<&'s str> {
+        let made = |name: &str| {
+            let mut properties = self.properties.all.iter();
+            properties.any(|own| own.name == name && matches!(own.section, Section::Shell(_)))
+        };
+        let mut groups = self.shells.groups.iter().map(String::as_str);
+        groups.find(|name| !made(name))
+    }
+
+    /// The names of groups of surfaces.
+    pub fn named_surfaces(&self) -> Vec<&str> {
+        let surfaces = self
+            .names
+            .iter()
+            .filter(|((dimension, _), _)| *dimension == 2);
+        surfaces.map(|(_, name)| name.as_str()).collect()
+    }
+
+    /// The first of the groups of an element whose surfaces are shells, with its stated name.
+    fn shell_group(&self, dimension: u8, groups: &[i64]) -> Option<(i64, &'s str)> {
+        if dimension != 2 || self.shells.groups.is_empty() {
+            return None;
+        }
+        groups.iter().find_map(|group| {
+            let own = self.names.get(&(2, *group));
+            let number = format!("physical:{group}");
+            let mut wanted = self.shells.groups.iter();
+            let found = wanted.find(|name| Some(*name) == own || **name == number)?;
+            Some((*group, found.as_str()))
+        })
+    }
+
     /// Keeps a node.
     pub fn node(
         &mut self,
@@ -92,7 +145,8 @@ impl Content {
                 )
             })?);
         }
-        if kind.dimension < 3 {
+        let shell = self.shell_group(kind.dimension, groups);
+        if kind.dimension < 3 && shell.is_none() {
             for group in groups {
                 let set = self.sets.entry((kind.dimension, *group)).or_default();
                 set.0.extend(&nodes);
@@ -107,9 +161,14 @@ impl Content {
                 .count += 1;
             return Ok(());
         }
-        let Some(kind) = kind.volume else {
+        let dimension = kind.dimension;
+        let Some(kind) = kind.kind else {
+            let shape = match shell {
+                Some(_) => "surface",
+                None => "volume",
+            };
             return Err(stream.problem(
-                format!("element {tag} is a volume of type {number}, which Eng does not read"),
+                format!("element {tag} is a {shape} of type {number}, which Eng does not read"),
                 "mesh with order 1, or with order 2 and Mesh.SecondOrderIncomplete = 1",
             ));
         };
@@ -121,39 +180,62 @@ impl Content {
         }
         let index = match self.by_nodes.get(&nodes) {
             Some(index) if repeated => *index,
-            _ => self.volume(stream, tag, kind, groups, nodes, repeated)?,
+            _ => {
+                let property = match shell {
+                    Some((group, name)) => self.property_of_shells(group, name),
+                    None => self.property_of_volumes(groups.first().copied()),
+                };
+                self.keep(stream, (tag, kind), property, nodes, repeated)?
+            }
         };
         for group in groups {
-            self.sets.entry((3, *group)).or_default().1.push(index);
+            let set = self.sets.entry((dimension, *group)).or_default();
+            set.1.push(index);
         }
         Ok(())
     }
 
-    fn volume(
+    /// The property of the shells of a group.
+    fn property_of_shells(&mut self, group: i64, name: &str) -> u32 {
+        let by = (2, Some(group));
+        if let Some(made) = self.properties.find(&by) {
+            return made;
+        }
+        let property = Property {
+            name: name.into(),
+            material: None,
+            section: Section::Shell(ShellSection::plate(self.shells.thickness)),
+        };
+        self.properties.add(by, property)
+    }
+
+    /// The property of the volumes whose first group this is.
+    fn property_of_volumes(&mut self, group: Option<i64>) -> u32 {
+        let by = (3, group);
+        if let Some(made) = self.properties.find(&by) {
+            return made;
+        }
+        let name = match group {
+            Some(group) => self.names.get(&(3, group)).cloned(),
+            None => Some("volumes".into()),
+        };
+        let property = Property {
+            name: name.unwrap_or_else(|| format!("physical:{}", group.unwrap_or(0))),
+            material: None,
+            section: Section::Solid,
+        };
+        self.properties.add(by, property)
+    }
+
+    /// Keeps an element of the mesh.
+    fn keep(
         &mut self,
         stream: &Stream,
-        tag: u64,
-        kind: ElementKind,
-        groups: &[i64],
+        (tag, kind): (u64, ElementKind),
+        property: u32,
         nodes: Vec<u32>,
         repeated: bool,
     ) -> Result<u32, FileProblem> {
-        let group = groups.first().copied();
-        let property = match self.properties.find(&group) {
-            Some(made) => made,
-            None => {
-                let name = match group {
-                    Some(group) => self.names.get(&(3, group)).cloned(),
-                    None => Some("volumes".into()),
-                };
-                let property = Property {
-                    name: name.unwrap_or_else(|| format!("physical:{}", group.unwrap_or(0))),
-                    material: None,
-                    section: Section::Solid,
-                };
-                self.properties.add(group, property)
-            }
-        };
         let new = NewElement {
             id: tag,
             kind,

@@ -1,9 +1,9 @@
 //! Meshes of gmsh (`.msh`): formats 4.1 and 2.2, text and binary.
 //!
-//! Volumes become elements. Points, lines and surfaces only add their nodes to groups. A physical group
-//! becomes a set with its name and `physical:TAG` (`physical:DIMENSION:TAG` if groups of several dimensions
-//! share the number). The file has no material, so the properties, one for each group of volumes, have none
-//! either; [`Mesh::set_material`] sets it.
+//! Volumes become elements. Points, lines and surfaces only add their nodes to groups, except for groups of triangles and
+//! quadrangles that are stated to be shells. A physical group becomes a set with its name and `physical:TAG`
+//! (`physical:DIMENSION:TAG` if groups of several dimensions share the number). The file has no material, so the
+//! properties, one for each group of volumes or shells, have none either; [`Mesh::set_material`] sets it.
 
 mod content;
 mod shapes;
@@ -18,6 +18,21 @@ use crate::read::source::whole;
 use content::Content;
 use stream::Stream;
 
+/// Groups of surfaces that are shells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShellGroups<'a> {
+    /// Their names, or `physical:TAG`.
+    pub groups: &'a [String],
+    /// Their thickness, in the unit of length of the file.
+    pub thickness: f64,
+}
+
+/// No shells.
+const NO_SHELLS: ShellGroups<'static> = ShellGroups {
+    groups: &[],
+    thickness: 0.0,
+};
+
 /// Reads a mesh of gmsh. Values keep the units of the file.
 ///
 /// # Errors
@@ -25,8 +40,20 @@ use stream::Stream;
 /// 4.1 or 2.2, text in the place of a number, a missing node, elements of third order or with nodes inside,
 /// a mesh without volumes or in partitions.
 pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
+    read_msh_with_shells(files, name, NO_SHELLS)
+}
+
+/// Reads a mesh of gmsh with shells, which may have no volume.
+///
+/// # Errors
+/// Those of [`read_msh`], and a group without triangles and quadrangles.
+pub fn read_msh_with_shells(
+    files: &dyn Files,
+    name: &str,
+    shells: ShellGroups<'_>,
+) -> Result<Mesh, FlexibleError> {
     let mut stream = Stream::open(files, name)?;
-    let mut content = Content::default();
+    let mut content = Content::new(shells);
     let mut version = None;
     let mut seen = Vec::new();
     while let Some(section) = stream.next_section()? {
@@ -87,6 +114,19 @@ pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
         }
         stream.end(&section)?;
     }
+    if let Some(group) = content.group_without_shells() {
+        let known = content.named_surfaces();
+        let known = match known.is_empty() {
+            true => "no group of surfaces has a name".to_owned(),
+            false => format!("groups of surfaces are {}", known.join(", ")),
+        };
+        return Err(whole(
+            name,
+            format!("the group {group} has no triangle and no quadrangle; {known}"),
+            "correct the name in `shells`, or give the surface a physical group before meshing",
+        )
+        .into());
+    }
     if content.mesh.elements.is_empty() {
         return Err(whole(
             name,
@@ -145,7 +185,7 @@ fn read_format(stream: &mut Stream) -> Result<Version, FileProblem> {
 }
 
 /// Reads `$PhysicalNames`, text in binary files too: `dimension number "name"`.
-fn names(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+fn names(stream: &mut Stream, content: &mut Content<'_>) -> Result<(), FileProblem> {
     let mut left = None;
     loop {
         let Some(line) = stream.text_line()? else {

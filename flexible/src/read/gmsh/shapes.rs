@@ -9,8 +9,8 @@ pub(super) struct Type {
     pub dimension: u8,
     /// Number of nodes in the file.
     pub nodes: usize,
-    /// The kind, if it is a volume that Eng reads.
-    pub volume: Option<ElementKind>,
+    /// The kind, if Eng has one of this shape.
+    pub kind: Option<ElementKind>,
 }
 
 /// Types that are no elements here, with dimension and number of nodes: points, lines, and those with nodes
@@ -46,14 +46,14 @@ impl Type {
             return Some(Type {
                 dimension: kind.dimension(),
                 nodes: kind.node_count(),
-                volume: kind.is_solid().then_some(kind),
+                kind: Some(kind),
             });
         }
         let (_, dimension, nodes) = OTHERS.iter().find(|(known, ..)| *known == number)?;
         Some(Type {
             dimension: *dimension,
             nodes: *nodes,
-            volume: None,
+            kind: None,
         })
     }
 }

@@ -7,7 +7,7 @@ use super::version4::known_type;
 use crate::error::FileProblem;
 
 /// Reads `$Nodes`.
-pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+pub(super) fn nodes(stream: &mut Stream, content: &mut Content<'_>) -> Result<(), FileProblem> {
     for _ in 0..count(stream)? {
         let tag = number(stream, "the number of a node")?;
         let position = stream.vector("a coordinate of a node")?;
@@ -19,7 +19,7 @@ pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), Fi
 /// Reads `$Elements`: in text `number type count tags… nodes…`, in binary groups `type count-of-elements
 /// count-of-tags` before `number tags… nodes…`. The first tag is the number of the group: zero without a
 /// group, negative if the element is reversed.
-pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+pub(super) fn elements(stream: &mut Stream, content: &mut Content<'_>) -> Result<(), FileProblem> {
     let total = count(stream)?;
     let mut done = 0;
     let (mut tags, mut nodes) = (Vec::new(), Vec::new());

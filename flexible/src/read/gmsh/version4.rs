@@ -7,7 +7,7 @@ use crate::error::FileProblem;
 
 /// Reads `$Entities`: the groups of each entity. The number of a group is negative if the entity is reversed
 /// in it.
-pub(super) fn entities(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+pub(super) fn entities(stream: &mut Stream, content: &mut Content<'_>) -> Result<(), FileProblem> {
     let mut counts = [0; 4];
     for count in &mut counts {
         *count = stream.size("the number of entities")?;
@@ -40,7 +40,7 @@ pub(super) fn entities(stream: &mut Stream, content: &mut Content) -> Result<(),
 }
 
 /// Reads `$Nodes`: blocks of numbers, then coordinates, perhaps with parameters on their entity.
-pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+pub(super) fn nodes(stream: &mut Stream, content: &mut Content<'_>) -> Result<(), FileProblem> {
     let blocks = head(stream)?;
     let mut tags = Vec::new();
     for _ in 0..blocks {
@@ -66,7 +66,7 @@ pub(super) fn nodes(stream: &mut Stream, content: &mut Content) -> Result<(), Fi
 }
 
 /// Reads `$Elements`: blocks of elements of an entity and a type.
-pub(super) fn elements(stream: &mut Stream, content: &mut Content) -> Result<(), FileProblem> {
+pub(super) fn elements(stream: &mut Stream, content: &mut Content<'_>) -> Result<(), FileProblem> {
     let blocks = head(stream)?;
     let mut nodes = Vec::new();
     for _ in 0..blocks {
