@@ -391,6 +391,30 @@ fn reduce(folder: &Path, words: &[&str]) -> Output {
         .expect("the command runs")
 }
 
+/// A bar whose ends are held in some freedoms is a simply supported beam.
+#[test]
+fn a_support_may_hold_single_freedoms() {
+    let mut deck =
+        String::from("PBAR,1,1,100.,833.3333,833.3333,1400.\nMAT1,1,210000.,,.3,7.85-9\n");
+    for node in 1..=21 {
+        deck += &format!("GRID,{node},,{:.1},0.,0.\n", 50.0 * f64::from(node - 1));
+    }
+    for bar in 1..=20 {
+        deck += &format!("CBAR,{bar},1,{bar},{},0.,0.,1.\n", bar + 1);
+    }
+    let body = reduced(
+        &deck,
+        "support = [held(at: left, freedoms: [x, y, z, rx]), held(at: right, freedoms: [y, z])]; modes = normal(3)
+            damping = 1 %; marker left = node(1); marker right = node(21)",
+    );
+    // (π/L)² √(E I/(ρ A)) in both planes; the inertia of the sections takes 4e-5
+    let first = std::f64::consts::FRAC_PI_2 * libm::sqrt(210e9 * 833.3333e-12 / (7850.0 * 1e-4));
+    let found = body.frequencies();
+    for (frequency, expected) in found.iter().zip([first, first, 4.0 * first]) {
+        assert!((frequency / expected - 1.0).abs() < 3e-4, "{found:?}");
+    }
+}
+
 #[test]
 fn the_command_writes_bodies_or_says_why_not() {
     let folder = std::env::temp_dir().join(format!("eng-hand-over-{}", std::process::id()));

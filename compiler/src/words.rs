@@ -79,6 +79,7 @@ pub(crate) enum Place {
     Modes,
     Damping,
     Surface,
+    Support,
 }
 
 impl Place {
@@ -91,6 +92,7 @@ impl Place {
             Place::Modes => "a mode set",
             Place::Damping => "the `damping` of a flexible body",
             Place::Surface => "the `surface` of a marker",
+            Place::Support => "the `support` of a flexible body",
         }
     }
 }
@@ -389,6 +391,12 @@ pub(crate) const WORDS: &[Word] = &[
         place: Place::Modes,
         arguments: &[FILE, named("format", Takes::Word(SHAPES))],
         example: "shapes(\"crank.op2\", format: op2)",
+    },
+    Word {
+        word: "held",
+        place: Place::Support,
+        arguments: &[AT, named("freedoms", Takes::Freedoms)],
+        example: "held(at: foot, freedoms: [y, z])",
     },
     Word {
         word: "modal",

@@ -26,6 +26,10 @@ pub(super) fn request(
         marker: *marker as usize,
         components: text::ALL_FREEDOMS,
     };
+    let some = |held: &text::Interface| Interface {
+        marker: held.marker as usize,
+        components: held.freedoms,
+    };
     let mut terms = Vec::with_capacity(source.modes.len());
     for part in &source.modes {
         terms.push(term(part, files, units)?);
@@ -42,7 +46,12 @@ pub(super) fn request(
     Ok(Request {
         rules: rules(source.element_rules),
         markers: source.markers.iter().map(marker).collect(),
-        support: source.support.iter().map(all).collect(),
+        support: source
+            .support
+            .iter()
+            .map(all)
+            .chain(source.support_freedoms.iter().map(some))
+            .collect(),
         held_nodes: source
             .support
             .iter()
@@ -100,7 +109,11 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
             source.material.map(|m| (m.young, m.poisson, m.density)),
             &source.element_rules,
             markers,
-            (&source.support, source.support_of_deck),
+            (
+                &source.support,
+                &source.support_freedoms,
+                source.support_of_deck,
+            ),
             modes,
             source.geometric_stiffness,
         )

@@ -45,8 +45,10 @@ pub struct FlexibleSource {
     pub element_rules: Option<ElementRules>,
     /// Markers, in the order of the text. A marker of the system has its index in this list.
     pub markers: Vec<MarkerSource>,
-    /// Markers that the ground holds. Without any, and without supports of the deck, the body is free.
+    /// Markers that the ground holds. Without any, without freedoms and without supports of the deck, the body is free.
     pub support: Vec<u32>,
+    /// Freedoms of further markers that the ground holds, along the axes of each.
+    pub support_freedoms: Vec<Interface>,
     /// Whether the supports of the mesh's file hold the body.
     pub support_of_deck: bool,
     /// Place of the attribute `support`.

@@ -461,7 +461,7 @@ impl<'p> Checker<'p> {
         self.report(message);
     }
 
-    /// Markers, and `deck` if no marker has this name: the supports of the mesh's file.
+    /// Markers, `held` with freedoms of markers, and `deck` if no marker has this name: the supports of the mesh's file.
     fn supports(&mut self, scope: &Scope<'p>, value: &Expr) {
         match &value.kind {
             ExprKind::List { items, unit: None } => {
@@ -474,6 +474,7 @@ impl<'p> Checker<'p> {
                     self.markers_named(scope, value);
                 }
             }
+            ExprKind::Call { .. } => self.worded(scope, Place::Support, value),
             _ => self.markers_named(scope, value),
         }
     }

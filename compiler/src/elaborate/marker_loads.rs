@@ -330,8 +330,11 @@ impl Elaborator<'_, '_> {
                 .zip(loads.iter().zip(&served))
                 .enumerate()
                 .filter(|(i, _)| !source.support.contains(&(*i as u32)))
-                .filter_map(|(_, (marker, (load, served)))| {
-                    let rest = load.freedoms & !served;
+                .filter_map(|(i, (marker, (load, served)))| {
+                    let own = source.support_freedoms.iter();
+                    let own = own.filter(|held| held.marker as usize == i);
+                    let held = own.fold(0, |bits, held| bits | held.freedoms);
+                    let rest = load.freedoms & !served & !held;
                     (rest != 0).then(|| format!("{} ({})", marker.name, freedom_text(rest)))
                 })
                 .collect();

@@ -76,7 +76,10 @@ impl<'a> Elaborator<'a, '_> {
                         codes::FLEXIBLE_NUMBER,
                         format!("`thickness` of `{}` must be positive", word.word),
                     )
-                    .at(stated.span, format!("this is {} mm", short(1e3 * thickness, 4))),
+                    .at(
+                        stated.span,
+                        format!("this is {} mm", short(1e3 * thickness, 4)),
+                    ),
                 ));
             }
         };

@@ -9,11 +9,12 @@ use super::scalar::Scalar;
 use super::value::{ScopeId, Value};
 use super::{Elaborator, Entry, Eval, location};
 use crate::codes;
-use crate::words::{DECK, Place, Word, word};
+use crate::words::{DECK, Place, Word, argument, word};
 use eng_grammar::ast::{self, ExprKind, ItemKind, Kind};
 use eng_grammar::{Diagnostic, Span};
 use eng_system::flexible::{
-    FlexibleSource, Freedoms, MarkerSource, MatrixSource, MeshSource, ModeCount,
+    ALL_FREEDOMS, FlexibleSource, Freedoms, Interface, MarkerSource, MatrixSource, MeshSource,
+    ModeCount,
 };
 use eng_system::mesh_files::{ShapeFormat, Stated};
 use eng_system::system::{BodyInertia, BodyRef};
@@ -23,6 +24,17 @@ use std::rc::Rc;
 type MarkersOnMesh = Vec<(MarkerSource, u32)>;
 /// Their names and indices.
 type MarkerNames = Vec<(String, Vec<usize>)>;
+
+/// What holds a body.
+#[derive(Default)]
+struct Supports {
+    /// Whole markers.
+    markers: Vec<u32>,
+    /// Freedoms of markers.
+    freedoms: Vec<Interface>,
+    /// Whether the supports of its deck do.
+    of_deck: bool,
+}
 
 /// Markers by name, as written in a mode set. They belong to the body that uses the set.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,7 +123,7 @@ impl<'a> Elaborator<'a, '_> {
         let mut mesh = None;
         let (mut stiffness, mut mass, mut material) = (None, None, None);
         let mut element_rules = None;
-        let (mut support, mut support_span, mut support_of_deck) = (Vec::new(), None, false);
+        let (mut support, mut support_span) = (Supports::default(), None);
         let (mut terms, mut modes_at) = (Vec::new(), None);
         let mut damping = None;
         let mut geometric_stiffness = false;
@@ -128,8 +140,7 @@ impl<'a> Elaborator<'a, '_> {
                 "element_rules" => element_rules = meaning(value),
                 "support" => {
                     support_span = Some(value.span);
-                    (support, support_of_deck) =
-                        self.supports(value, own, (&markers, &known), &path)?;
+                    support = self.supports(value, own, (&markers, &known), &path)?;
                 }
                 "modes" => {
                     modes_at = Some(location(value.span));
@@ -167,8 +178,9 @@ impl<'a> Elaborator<'a, '_> {
                 material,
                 element_rules,
                 markers: sources,
-                support,
-                support_of_deck,
+                support: support.markers,
+                support_freedoms: support.freedoms,
+                support_of_deck: support.of_deck,
                 support_at: support_span.map(location),
                 modes: Vec::new(),
                 modes_at,
@@ -209,28 +221,62 @@ impl<'a> Elaborator<'a, '_> {
         (markers, known)
     }
 
-    /// The markers that hold a body, and whether the supports of its deck do, too.
+    /// The supports of a body.
     fn supports(
         &mut self,
         value: &'a ast::Expr,
         scope: ScopeId,
         (markers, known): (&MarkersOnMesh, &MarkerNames),
         path: &str,
-    ) -> Eval<(Vec<u32>, bool)> {
-        let (mut support, mut of_deck) = (Vec::new(), false);
-        for name in self.marker_names(value, scope)? {
-            if name.is(DECK) && !known.iter().any(|(marker, _)| marker == DECK) {
-                of_deck = true;
-                continue;
-            }
-            support.extend(self.found(&name, known, path)?);
-        }
-        for index in &support {
-            if let Some((_, marker)) = markers.get(*index as usize) {
+    ) -> Eval<Supports> {
+        let mut found = Supports::default();
+        self.gather_supports(value, scope, (known, path), &mut found)?;
+        let partly = found.freedoms.iter().map(|held| held.marker);
+        for index in found.markers.iter().copied().chain(partly) {
+            if let Some((_, marker)) = markers.get(index as usize) {
                 self.used_marker(*marker);
             }
         }
-        Ok((support, of_deck))
+        Ok(found)
+    }
+
+    /// Adds the supports of an expression: of a list each, `held` with its freedoms, the deck, or whole markers.
+    fn gather_supports(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+        (known, path): (&MarkerNames, &str),
+        found: &mut Supports,
+    ) -> Eval<()> {
+        match &value.kind {
+            ExprKind::List { items, unit: None } => {
+                for item in items {
+                    self.gather_supports(item, scope, (known, path), found)?;
+                }
+            }
+            ExprKind::Call { .. } => {
+                let (word, arguments) = self.worded(Place::Support, value)?;
+                let at = argument(word, arguments, "at");
+                let at = self.checked(at, value.span, "a support without markers")?;
+                let freedoms = argument(word, arguments, "freedoms");
+                let freedoms = freedoms.map_or(ALL_FREEDOMS, modes::freedoms_of);
+                for name in self.marker_names(at, scope)? {
+                    for marker in self.found(&name, known, path)? {
+                        found.freedoms.push(Interface { marker, freedoms });
+                    }
+                }
+            }
+            _ => {
+                for name in self.marker_names(value, scope)? {
+                    if name.is(DECK) && !known.iter().any(|(marker, _)| marker == DECK) {
+                        found.of_deck = true;
+                        continue;
+                    }
+                    found.markers.extend(self.found(&name, known, path)?);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Refuses shapes from a file for a mesh that no file has: they belong to nodes of another mesh.

@@ -221,7 +221,7 @@ impl<'a> Elaborator<'a, '_> {
     }
 }
 
-fn freedoms_of(expr: &ast::Expr) -> Freedoms {
+pub(super) fn freedoms_of(expr: &ast::Expr) -> Freedoms {
     let bit = |e: &ast::Expr| {
         let name = bare_word(e);
         FREEDOM_NAMES
