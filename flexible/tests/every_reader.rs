@@ -184,6 +184,19 @@ fn files_of_another_format_are_named_as_such() {
         said(read_modes(&matrix, "file", ShapeFormat::Op2).expect_err("no shapes"));
     assert!(problem.contains("states `format: op2`"), "{problem}");
     assert!(advice.contains("`format: frd`"), "{advice}");
+    // the head of a MED file
+    let med = Only(b"\x89HDF\r\n\x1a\n\x02\x08\x08\x00\x00\x00".to_vec());
+    for (_, format) in MeshFormat::NAMED {
+        let (problem, advice) = said(read_mesh(&med, "file", *format).expect_err("no mesh"));
+        assert!(
+            problem.contains("holds HDF5 data, as the MED files of code_aster and Salome"),
+            "{problem}"
+        );
+        assert!(
+            advice.contains("`gmsh block.med -save -o block.msh`"),
+            "{advice}"
+        );
+    }
     // a wrong file of the right format keeps its own message
     let (problem, _) = said(
         read_mesh(

@@ -50,7 +50,12 @@ pub(crate) enum Content {
     PunchedShapes,
     /// Results of CalculiX.
     Frd,
+    /// Data of HDF5, which holds the meshes of code_aster and Salome (MED).
+    Hdf5,
 }
+
+/// The first bytes of a file of HDF5.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 impl Content {
     /// Whether its lines hold numbers alone.
@@ -81,6 +86,17 @@ impl Content {
             Content::Freedoms => "the freedoms of CalculiX's matrices, in lines \"node.direction\"",
             Content::PunchedShapes => "mode shapes of Nastran's punch file",
             Content::Frd => "results of CalculiX (.frd)",
+            Content::Hdf5 => "HDF5 data, as the MED files of code_aster and Salome",
+        }
+    }
+
+    /// The way to a file that Eng reads, for contents that no reader takes.
+    fn detour(self) -> Option<&'static str> {
+        match self {
+            Content::Hdf5 => Some(
+                "gmsh converts MED files with their groups: `gmsh block.med -save -o block.msh`, and then write `gmsh(…)`",
+            ),
+            _ => None,
         }
     }
 
@@ -95,6 +111,9 @@ impl Content {
 
     /// Decides by the length of the first record, in either order of bytes.
     fn of_binary(bytes: &[u8]) -> Option<Content> {
+        if bytes.starts_with(HDF5) {
+            return Some(Content::Hdf5);
+        }
         let first = *bytes.first_chunk::<4>()?;
         [i32::from_le_bytes(first), i32::from_be_bytes(first)]
             .into_iter()
@@ -214,14 +233,14 @@ pub(crate) fn explained<F: Readable, T>(
         fit.map(|(name, _)| F::written(name)).collect()
     };
     let others = names(&|format| format.proposed(content));
-    let advice = if others.is_empty() {
-        format!(
+    let advice = match (others.is_empty(), content.detour()) {
+        (false, _) => format!("write {} for this file", others.join(" or ")),
+        (true, Some(detour)) => detour.to_owned(),
+        (true, None) => format!(
             "Eng reads {} by {}",
             F::READ_FOR,
             names(&|_| true).join(", ")
-        )
-    } else {
-        format!("write {} for this file", others.join(" or "))
+        ),
     };
     Err(FileProblem {
         file: file.into(),
@@ -275,6 +294,7 @@ mod tests {
         ] {
             assert_eq!(Content::of_binary(&bytes), Some(content));
         }
+        assert_eq!(Content::of_binary(HDF5), Some(Content::Hdf5));
         assert_eq!(Content::of_binary(b"$Mesh"), None);
         assert_eq!(Content::of_binary(b"$"), None);
     }
