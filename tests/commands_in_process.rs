@@ -4,6 +4,7 @@
 use crate::support::Temporary;
 use eng::cli::{Console, run_on};
 use eng::results::Results;
+use std::io::{self, Write};
 use std::path::Path;
 
 /// A shaft in one journal, turned at a speed, at two of them.
@@ -99,6 +100,65 @@ impl Folder {
         };
         (code, text(output), text(errors))
     }
+}
+
+/// An output that fails after its first bytes.
+struct Failing {
+    with: io::ErrorKind,
+    written: usize,
+}
+
+impl Write for Failing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.written > 0 {
+            return Err(self.with.into());
+        }
+        self.written += bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Exit code and errors of a command whose output fails.
+fn with_failing_output(with: io::ErrorKind, words: &[&str]) -> (u8, String) {
+    let (mut output, mut errors) = (Failing { with, written: 0 }, Vec::new());
+    let words = std::iter::once("eng").chain(words.iter().copied());
+    let code = run_on(
+        words.map(Into::into),
+        &mut Console {
+            output: &mut output,
+            errors: &mut errors,
+            colored_output: false,
+            colored_errors: false,
+            live: false,
+        },
+    );
+    (code, String::from_utf8(errors).unwrap())
+}
+
+/// `eng … | head -1`: the work is done to its end, and the exit code is that of the work.
+#[test]
+fn a_closed_output_loses_no_work() {
+    let folder = Folder::new("closed", SWING);
+    let (model, out) = (folder.path("model.eng"), folder.path("out"));
+    let run = ["run", model.as_str(), "--out", out.as_str(), "--no-plots"];
+    let closed = io::ErrorKind::BrokenPipe;
+    assert_eq!(with_failing_output(closed, &run).0, 0);
+    let tables = ["one", "two", "two[1]", "two[2]"].map(|name| format!("{name}.parquet"));
+    let files = folder.files("out");
+    for table in &tables {
+        assert!(files.contains(table), "{table} in {files:?}");
+    }
+    assert_eq!(
+        with_failing_output(closed, &["explain"]),
+        (0, String::new())
+    );
+    let (code, errors) = with_failing_output(io::ErrorKind::StorageFull, &["explain"]);
+    assert_eq!(code, 2);
+    assert!(errors.starts_with("error: the output: "), "{errors}");
 }
 
 #[test]

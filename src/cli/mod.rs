@@ -82,7 +82,7 @@ pub struct Console<'a> {
 enum Stop {
     /// An exit code; the reason has been printed.
     Code(u8),
-    /// The reader of the output has closed the pipe.
+    /// The output cannot be written, for example because its disk is full.
     Output(std::io::Error),
 }
 
@@ -119,13 +119,9 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
         Command::Manual(pages) => shell::manual(pages, console),
         Command::Explain(code) => explain::explain(code, console),
     };
-    match done {
+    match done.and_then(|()| Ok(console.output.flush()?)) {
         Ok(()) => DONE,
         Err(Stop::Code(code)) => code,
-        // `eng … | head`: the reader has closed the pipe, so nobody can read a report
-        Err(Stop::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
-            USAGE_OR_SYSTEM
-        }
         Err(Stop::Output(error)) => {
             let _ = writeln!(console.errors, "error: {error}");
             USAGE_OR_SYSTEM

@@ -55,7 +55,7 @@ fn rounds(
         let ended = match watching.round(changes, console) {
             Ok(ended) => ended,
             Err(Stop::Code(_)) => "not done: see the messages above".to_owned(),
-            Err(closed @ Stop::Output(_)) => return Err(closed),
+            Err(unwritten @ Stop::Output(_)) => return Err(unwritten),
         };
         let seconds = began.elapsed().as_secs_f64();
         writeln!(
@@ -63,7 +63,8 @@ fn rounds(
             "{}, round {number}, {seconds:.2} s: {ended}",
             time_of_day(SystemTime::now())
         )?;
-        if !changes.wait() {
+        // without a reader, nobody waits for a further round
+        if console.output.is_closed() || !changes.wait() {
             break;
         }
     }
