@@ -891,6 +891,48 @@ fn dampers_are_left_out() {
     );
 }
 
+/// A square membrane without its section.
+const SKIN: &str = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=M3D4, ELSET=SKIN\n1, 1, 2, 3, 4\n\
+                    *MATERIAL, NAME=M\n*DENSITY\n2.7e-9\n";
+
+#[test]
+fn membranes_have_a_thickness_and_no_bending() {
+    let elastic = "*ELASTIC\n70000., .3\n";
+    let skin = mesh(&format!(
+        "{SKIN}{elastic}*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=M\n0.5\n"
+    ));
+    let Section::Shell(section) = skin.properties[0].section else {
+        panic!("{:?}", skin.properties);
+    };
+    assert_eq!((section.thickness, section.is_membrane()), (0.5, true));
+    assert_eq!(skin.materials[0].young, 70000.0);
+    assert_eq!(skin.elements[0].kind, ElementKind::Quadrilateral4);
+    assert!(unread(&skin).is_empty(), "{:?}", unread(&skin));
+    for (lines, message) in [
+        (
+            format!("{elastic}*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=M\n"),
+            "*MEMBRANE SECTION: its data line is missing",
+        ),
+        (
+            "*ELASTIC, TYPE=LAMINA\n140000., 10000., .3, 5000., 4500., 3500.\n*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=M\n0.5\n"
+                .to_string(),
+            "a section uses the material M, which has no isotropic *ELASTIC",
+        ),
+    ] {
+        let found = problem(&format!("{SKIN}{lines}"));
+        assert!(found.problem.contains(message), "{lines}: {found}");
+    }
+    let varying = mesh(&format!(
+        "{SKIN}{elastic}*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=M, MEMBRANE THICKNESS=T\n0.5\n"
+    ));
+    let name = "*MEMBRANE SECTION, MEMBRANE THICKNESS";
+    assert!(
+        unread(&varying).contains(&(name, 1, Carries::Structure)),
+        "{:?}",
+        unread(&varying)
+    );
+}
+
 #[test]
 fn problems_tell_their_place() {
     let lines = CUBES.lines().count() as u64;

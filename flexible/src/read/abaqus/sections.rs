@@ -1,5 +1,5 @@
-//! `*SOLID SECTION`, `*SHELL SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and materials of
-//! the mesh.
+//! `*SOLID SECTION`, `*SHELL SECTION`, `*MEMBRANE SECTION`, `*BEAM SECTION`, `*BEAM GENERAL SECTION`: properties and
+//! materials of the mesh.
 
 use super::distributions::Distribution;
 use super::lines::{self, key};
@@ -28,7 +28,7 @@ pub(super) enum Family {
     Beam(bool),
     /// A truss.
     Truss,
-    /// A surface without stiffness.
+    /// A membrane, or a surface without stiffness.
     Facet,
 }
 
@@ -70,6 +70,7 @@ pub(super) struct Sections<'m> {
 const KEYWORDS: &[&str] = &[
     "SOLIDSECTION",
     "SHELLSECTION",
+    "MEMBRANESECTION",
     "BEAMSECTION",
     "BEAMGENERALSECTION",
 ];
@@ -120,9 +121,14 @@ impl<'m> Sections<'m> {
                 }
             }
             let shells = keyword.key == "SHELLSECTION";
-            if keyword.has("SHELLTHICKNESS") {
-                let name = format!("*{}, SHELL THICKNESS", keyword.name);
-                unread.note(&name, &keyword.at, Carries::Structure);
+            for (parameter, written) in [
+                ("SHELLTHICKNESS", "SHELL THICKNESS"),
+                ("MEMBRANETHICKNESS", "MEMBRANE THICKNESS"),
+            ] {
+                if keyword.has(parameter) {
+                    let name = format!("*{}, {written}", keyword.name);
+                    unread.note(&name, &keyword.at, Carries::Structure);
+                }
             }
             for (parameter, written) in
                 [("OFFSET", "OFFSET"), ("NODALTHICKNESS", "NODAL THICKNESS")]
@@ -346,6 +352,7 @@ impl<'m> Sections<'m> {
                 };
                 return Ok(Some(self.properties.add(by, property)));
             }
+            (Family::Facet, "MEMBRANESECTION") => membrane(block)?,
             (Family::Facet, _) => {
                 unread.note(
                     &format!("*{} of plane or surface elements", keyword.name),
@@ -405,6 +412,18 @@ fn without_line(block: &Block) -> FileProblem {
         "its data line is missing",
         "write its dimensions on the next line",
     )
+}
+
+/// `*MEMBRANE SECTION`: the thickness.
+fn membrane(block: &Block) -> Result<Section, FileProblem> {
+    let thickness = first_row(block)?.real(0, "the thickness")?;
+    Ok(Section::Shell(ShellSection {
+        layup: Layup::Apart {
+            bending: None,
+            shear: None,
+        },
+        ..ShellSection::plate(thickness)
+    }))
 }
 
 fn rod(area: f64) -> Section {
