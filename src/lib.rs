@@ -88,6 +88,7 @@ mod sources;
 pub mod study;
 mod tables;
 pub mod timings;
+mod utf8;
 mod vocabulary;
 
 pub use analysis::{Analysis, Failed, Outcome, Progress, Watch};

@@ -16,6 +16,7 @@ use eng_grammar::{Diagnostic, Diagnostics, SourceMap};
 use eng_system::code::Compiled;
 use eng_system::host::HostError;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -137,14 +138,26 @@ pub fn check(sources: &Sources, file: &str) -> Checked {
 /// A file or folder that cannot be read.
 pub fn open(model: &Path) -> Result<Checked, HostError> {
     let path = model.display().to_string();
-    if !model.exists() {
-        return Err(HostError::NotFound(path));
-    }
+    let refused = |path: String, error: &std::io::Error| match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => HostError::NotFound(path),
+        _ => HostError::System {
+            path,
+            message: error.to_string(),
+        },
+    };
+    let found = match std::fs::metadata(model) {
+        Ok(found) => found,
+        Err(error) => return Err(refused(path, &error)),
+    };
     let name = model.file_name().and_then(|name| name.to_str());
-    let Some(file) = name.filter(|_| model.is_file()) else {
+    let Some(file) = name.filter(|_| found.is_file()) else {
         let message = "this is no file".to_owned();
         return Err(HostError::System { path, message });
     };
+    // what the system does not let us read is no mistake of the text
+    if let Err(error) = std::fs::File::open(model) {
+        return Err(refused(path, &error));
+    }
     let folder = match model.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -281,9 +281,9 @@ impl Host for Sources {
                     return Ok(text.clone());
                 }
                 let bytes = std::fs::read(place?).map_err(|error| refused(path, &error))?;
-                String::from_utf8(bytes).map_err(|_| HostError::System {
+                crate::utf8::text(bytes).map_err(|message| HostError::System {
                     path: path.into(),
-                    message: "the file is not UTF-8 text".into(),
+                    message,
                 })
             }
         }

@@ -439,3 +439,68 @@ report r { value beyond = at_frequency(s.rail.travel, 300 Hz) }
     assert_eq!(code, 0);
     assert!(errors.contains(&format!("warning: {due}")), "{errors}");
 }
+
+/// `eng fmt` writes only files that may be written, and only texts that it can read.
+#[test]
+fn fmt_keeps_line_ends_and_read_only_files() {
+    const MESSY: &str = "param bore:Length=86mm\r\n// end\r\n";
+    const TIDY: &str = "param bore: Length = 86 mm\r\n// end\r\n";
+    let folder = Folder::new("fmt", MESSY);
+    let model = folder.path("model.eng");
+    let lock = |locked: bool| {
+        let mut rights = std::fs::metadata(&model).unwrap().permissions();
+        rights.set_readonly(locked);
+        std::fs::set_permissions(&model, rights).unwrap();
+    };
+    lock(true);
+    let (code, _, errors) = folder.eng("fmt", &[]);
+    assert_eq!(code, 2);
+    assert!(errors.contains("read-only"), "{errors}");
+    assert_eq!(std::fs::read_to_string(&model).unwrap(), MESSY);
+    lock(false);
+    assert_eq!(folder.eng("fmt", &[]).0, 0);
+    assert_eq!(std::fs::read_to_string(&model).unwrap(), TIDY);
+    assert_eq!(folder.eng("fmt", &["--check"]).0, 0);
+    for (bytes, words) in [
+        (&b"// \xe9\n"[..], "the byte 0xe9 in line 1, column 4"),
+        (b"\xff\xfea\0", "UTF-16"),
+        (b"// a\rparam b = 1\r", "carriage return"),
+    ] {
+        std::fs::write(&model, bytes).unwrap();
+        for command in ["fmt", "check"] {
+            let (code, output, errors) = folder.eng(command, &[]);
+            assert!(code > 0, "{command}");
+            let said = output + &errors;
+            assert!(said.contains(words), "{command}: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_text_without_an_item_is_told() {
+    for text in ["", "\u{feff}", "// model Rotor { }\n"] {
+        let folder = Folder::new("empty", text);
+        let (code, output, _) = folder.eng("check", &[]);
+        assert_eq!(code, 0, "{text:?}");
+        assert!(output.contains("W0202"), "{text:?}: {output}");
+    }
+    // a file for others to use
+    let folder = Folder::new("functions", "fn twice(x: Length) -> Length = 2*x\n");
+    let (code, output, _) = folder.eng("check", &[]);
+    assert_eq!((code, output.as_str()), (0, "no errors, no warnings\n"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_model_that_may_not_be_read_is_no_wrong_model() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("locked", SWING);
+    let model = folder.path("model.eng");
+    std::fs::set_permissions(&model, std::fs::Permissions::from_mode(0)).unwrap();
+    // the administrator reads everything
+    if std::fs::File::open(&model).is_err() {
+        let (code, _, errors) = folder.eng("run", &[]);
+        assert_eq!(code, 2, "{errors}");
+        assert!(errors.contains("model.eng: "), "{errors}");
+    }
+}

@@ -1,7 +1,8 @@
 //! The one form of a text: spaces, indents and line ends.
 //!
 //! Tokens, comments and numbers stay as written, and so does each line end that an author chose inside of an item. The
-//! tree decides which gaps are spaces: `2*x` and `2 N * x` differ, because a space ends a unit.
+//! tree decides which gaps are spaces: `2*x` and `2 N * x` differ, because a space ends a unit. The first line end of a
+//! text decides whether its lines end with `\n` or with `\r\n`.
 
 mod layout;
 mod marks;
@@ -59,8 +60,17 @@ pub fn format(text: &str, source: SourceId) -> Result<String, FormatError> {
         return Err(FormatError::Changed);
     }
     match again == formed {
-        true => Ok(formed),
+        true => Ok(with_line_ends_of(text, formed)),
         false => Err(FormatError::Unstable),
+    }
+}
+
+/// A formed text with line ends like the first one of a text. So a text that was checked out on Windows keeps its own.
+fn with_line_ends_of(text: &str, formed: String) -> String {
+    let first = text.split_inclusive('\n').next().unwrap_or_default();
+    match first.ends_with("\r\n") {
+        true => formed.replace('\n', "\r\n"),
+        false => formed,
     }
 }
 

@@ -5,8 +5,10 @@ use super::terminal::Terminal;
 use super::{MODEL_WRONG, Stop, USAGE_OR_SYSTEM};
 use crate::regular::regular;
 use crate::results::replace_file;
+use eng_compiler::resolve::{RETURN_ALONE, lone_return};
 use eng_grammar::{Diagnostics, FormatError, SourceId, SourceMap};
-use std::io::{Read, Write};
+use std::fs::OpenOptions;
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Formats texts in their files, or the standard input.
@@ -109,9 +111,11 @@ fn one(path: &Path, check: bool, console: &mut Terminal<'_>) -> Result<u8, Stop>
     if formed == text {
         return Ok(0);
     }
-    let written = replace_file(path, |file| {
-        file.set_permissions(std::fs::metadata(path)?.permissions())?;
-        file.write_all(formed.as_bytes())
+    let written = may_change(path).and_then(|()| {
+        replace_file(path, |file| {
+            file.set_permissions(std::fs::metadata(path)?.permissions())?;
+            file.write_all(formed.as_bytes())
+        })
     });
     match written {
         Ok(()) => {
@@ -123,6 +127,17 @@ fn one(path: &Path, check: bool, console: &mut Terminal<'_>) -> Result<u8, Stop>
             Ok(USAGE_OR_SYSTEM)
         }
     }
+}
+
+/// Refuses a file that may not be written. A new file in its place would only need rights on the folder.
+fn may_change(path: &Path) -> io::Result<()> {
+    if std::fs::metadata(path)?.permissions().readonly() {
+        return Err(io::Error::new(
+            io::ErrorKind::PermissionDenied,
+            "this file is read-only and stays as it is: make it writable, or format a copy",
+        ));
+    }
+    OpenOptions::new().write(true).open(path).map(drop)
 }
 
 /// Names a text that differs from its form. Returns the exit code.
@@ -139,13 +154,13 @@ fn readable(
     bytes: Vec<u8>,
     console: &mut Terminal<'_>,
 ) -> Result<Option<String>, Stop> {
-    match String::from_utf8(bytes) {
-        Ok(text) => Ok(Some(text)),
-        Err(_) => {
-            writeln!(console.errors, "error: {name} is not UTF-8 text")?;
-            Ok(None)
-        }
-    }
+    let refused = match crate::utf8::text(bytes) {
+        Ok(text) if lone_return(&text).is_none() => return Ok(Some(text)),
+        Ok(_) => RETURN_ALONE.to_owned(),
+        Err(refused) => refused,
+    };
+    writeln!(console.errors, "error: {name}: {refused}")?;
+    Ok(None)
 }
 
 /// The form of a text, or the reason why it has none.

@@ -46,8 +46,15 @@ eng_grammar::codes! {
         "After a dot follows a marker of a body, an output or value of an element, a field of a record, or a member that every marker has.",
         "start pin.angel = 30 deg",
         "start pin.angle = 30 deg";
+    RETURN_ALONE = "E0212", "a line end is a carriage return alone",
+        "Lines end with a line feed (LF), with or without a carriage return before it (CR LF). A carriage return alone, as old systems wrote it, would make one line of the whole text. Save the text with one of the two line ends.",
+        "", "";
     UNUSED_USE = "W0201", "a name is taken from a module but not used",
         "The model runs. Remove the name, or use it: perhaps another name was used in its place.",
         "use std.joints.{Revolute, Fixed}",
         "use std.joints.Revolute";
+    EMPTY_TEXT = "W0202", "a text has no item",
+        "The file is empty, or all of it is comments. A model has at least a `model` and an analysis; a file that others use has classes, functions or constants. `eng new NAME` writes a first model.",
+        "// model Rotor { }",
+        "model Rotor { }";
 }

@@ -5,6 +5,7 @@
 
 mod definitions;
 mod modules;
+pub use modules::{RETURN_ALONE, lone_return};
 mod scopes;
 pub(crate) use scopes::defined_name;
 pub(crate) mod suggest;

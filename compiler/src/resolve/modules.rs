@@ -57,6 +57,16 @@ pub(super) fn offered(library: &[(&str, &str)]) -> BTreeMap<String, Offered> {
     names
 }
 
+/// What is wrong with a text that has a [`lone_return`].
+pub const RETURN_ALONE: &str =
+    "a line ends with a carriage return alone; lines end with LF or with CR LF";
+
+/// The byte of the first carriage return without a line feed after it.
+pub fn lone_return(text: &str) -> Option<usize> {
+    let mut returns = text.match_indices('\r').map(|(at, _)| at);
+    returns.find(|at| text.as_bytes().get(at + 1) != Some(&b'\n'))
+}
+
 /// Longest chain of files that use each other. A choice: the stack has room for this depth.
 const DEEPEST_FILES: usize = 100;
 
@@ -132,7 +142,10 @@ fn read_all(
         loader.module(PRELUDE, None);
     }
     match host.read_text(root) {
-        Ok(text) => loader.text(&path_of_file(root), root, &text),
+        Ok(text) => {
+            loader.text(&path_of_file(root), root, &text);
+            loader.tell_empty(root);
+        }
         Err(error) => loader.diagnostics.push(Diagnostic::error(
             codes::NO_MODULE,
             format!("the model cannot be read: {error}"),
@@ -233,8 +246,33 @@ impl Loader<'_> {
         self.diagnostics.push(message);
     }
 
+    /// Tells that the root, which was read last, has no item.
+    fn tell_empty(&mut self, root: &str) {
+        let read = self.program.modules.last();
+        if read.is_some_and(|module| module.file.items.is_empty()) && !self.diagnostics.has_errors()
+        {
+            self.diagnostics.push(
+                Diagnostic::warning(codes::EMPTY_TEXT, format!("{root} has no item"))
+                    .with_help("write a model, or get a first one by `eng new NAME`"),
+            );
+        }
+    }
+
     fn text(&mut self, path: &str, file: &str, text: &str) {
         let source = self.sources.add(file, text);
+        // with such line ends the first comment would go to the end of the text
+        let text = match lone_return(text) {
+            None => text,
+            Some(at) => {
+                let place = Span::new(source, at, at + 1);
+                self.diagnostics.push(
+                    Diagnostic::error(codes::RETURN_ALONE, RETURN_ALONE)
+                        .at(place, "the first one")
+                        .with_help("save the text with the line ends LF or CR LF"),
+                );
+                ""
+            }
+        };
         // the units of a user do not change the reading of the library's texts
         let units = match is_library(path) {
             true => &mut self.library_units,
