@@ -1,5 +1,6 @@
 //! Errors for programs that embed Eng.
 
+use crate::indexed::listed;
 use crate::quantity::QuantityError;
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::Dimension;
@@ -20,7 +21,7 @@ pub enum Error {
         known: Vec<String>,
     },
     /// No such analysis.
-    #[error("there is no analysis {name}; there are: {}", known.join(", "))]
+    #[error("there is no analysis {name}; there are: {}", listed(known.iter().map(String::as_str)))]
     NoAnalysis {
         /// The wanted name or value.
         name: String,

@@ -376,7 +376,7 @@ fn unknown_names_and_refused_files_exit_with_2() {
     let (code, _, errors) = folder.eng("run", &["--analysis", "unfired"]);
     assert_eq!(code, 2);
     assert!(
-        errors.contains("no analysis unfired; it has one, two[1], two[2]"),
+        errors.contains("no analysis unfired; it has one, two[1..2]"),
         "{errors}"
     );
     let (code, _, errors) = folder.eng("run", &["--set", "loud=1 kg"]);
@@ -503,4 +503,29 @@ fn a_model_that_may_not_be_read_is_no_wrong_model() {
         assert_eq!(code, 2, "{errors}");
         assert!(errors.contains("model.eng: "), "{errors}");
     }
+}
+
+#[test]
+fn numbers_that_are_none_are_told_in_plain_words() {
+    let folder = Folder::new("numbers", SWING);
+    for (words, told) in [
+        (
+            ["--tolerance", "-1"],
+            "--tolerance: it must be positive and finite, not -1",
+        ),
+        (["--step", "-1us"], "--step: it must be positive and finite"),
+        (["--threads", "0"], "give a whole number from 1"),
+        (["--threads", "-2"], "give a whole number from 1"),
+    ] {
+        let (code, _, errors) = folder.eng("run", &words);
+        assert_eq!(code, 2, "{errors}");
+        assert!(
+            errors.contains(told) && !errors.contains("-- -"),
+            "{errors}"
+        );
+    }
+    std::fs::remove_dir_all(&folder.0.0).unwrap();
+    let (code, _, errors) = folder.eng("new", &[]);
+    assert_eq!(code, 2);
+    assert!(errors.contains("there is no folder"), "{errors}");
 }

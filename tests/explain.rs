@@ -62,6 +62,17 @@ fn explain(code: &str, output: &mut Vec<u8>) -> u8 {
 }
 
 #[test]
+fn arguments_are_explained_by_their_kinds() {
+    for (argument, kind) in [("gradients", "transient"), ("inputs", "linear")] {
+        let mut written = Vec::new();
+        assert_eq!(explain(argument, &mut written), 0);
+        let begin = format!("`{argument}` is an argument of the analysis `{kind}`: ");
+        let written = text(&written).replace('\n', " ");
+        assert!(written.contains(&begin), "{written}");
+    }
+}
+
+#[test]
 fn an_unknown_code_is_answered_by_the_nearest() {
     for (asked, near) in [("E301", "E0301"), ("E0O1", "E01"), ("w501", "W0501")] {
         let output = eng(&["explain", asked]);

@@ -526,7 +526,10 @@ fn parts_of_other_studies_are_refused() {
     // a damaged part
     let bytes = std::fs::read(place.path("out/swing/part-00001-00006.parquet")).unwrap();
     std::fs::write(place.path("out").join(part), &bytes[..bytes.len() / 2]).unwrap();
-    says("collect out", "the end of the file is missing");
+    says(
+        &format!("{RUN} --points failed --out out"),
+        "bytes; remove this file, and run the points 7..12 again",
+    );
     std::fs::remove_file(place.path("out").join(part)).unwrap();
     place.says(&format!("{RUN} --slice 2/2 --out out"), 0);
     place.says("collect out", 1);

@@ -41,7 +41,9 @@ pub(crate) fn nearest_within<'a>(
         };
         let letters = name.chars().zip(candidate.chars());
         let beginning = letters.take_while(|(a, b)| a == b).count();
-        let close = distance <= allowed && distance < other.max(length);
+        // `bore` differs in half of the letters of `nope`, so it is another word and no slip
+        let slip = distance < 2 || 2 * distance < other.max(length) || beginning > 0;
+        let close = distance <= allowed && distance < other.max(length) && slip;
         close.then_some((distance, Reverse(beginning), candidate))
     });
     near.min().map(|(.., candidate)| candidate)
@@ -60,5 +62,7 @@ mod tests {
         assert_eq!(nearest("mn", ["mm", "N", "kg"]), Some("mm"));
         assert_eq!(nearest("stat", ["start", "state"]), Some("state"));
         assert_eq!(nearest("start", ["start"]), None);
+        assert_eq!(nearest("nope", ["bore"]), None);
+        assert_eq!(nearest("bola", ["bore"]), Some("bore"));
     }
 }

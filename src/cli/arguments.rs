@@ -214,7 +214,12 @@ pub(super) struct ReduceArguments {
     #[arg(long, value_name = "PATH")]
     pub body: Vec<String>,
     /// Number of the first point in Nastran and Abaqus; the points of further bodies follow [default: 1]
-    #[arg(long, value_name = "NUMBER", requires = "to")]
+    #[arg(
+        long,
+        value_name = "NUMBER",
+        requires = "to",
+        allow_negative_numbers = true
+    )]
     pub first_point: Option<usize>,
 }
 
@@ -305,7 +310,7 @@ pub(super) struct ReportArguments {
     pub figures: Option<PathBuf>,
     /// Show stresses at this crank angle or time, such as "372 deg" or "12 ms"; may be given several times
     /// [default: the moment of each body's largest stress]
-    #[arg(long, value_name = "MOMENT")]
+    #[arg(long, value_name = "MOMENT", allow_hyphen_values = true)]
     pub stress_at: Vec<String>,
     /// Print only warnings and errors
     #[arg(long, short)]
@@ -353,10 +358,10 @@ pub(super) struct Settings {
     pub set: Vec<Setting>,
     /// Factor on the tolerance of the steps, instead of the stated one: `--tolerance 0.1`. With `--step` it
     /// is the tolerance of the equations of a step
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
     /// Take fixed steps of this length instead of the stated ones: `--step 10us`
-    #[arg(long, value_name = "TIME")]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub step: Option<String>,
     /// Continue for any time; without this a run with more than a day left is stopped after some seconds
     #[arg(long)]
@@ -387,10 +392,10 @@ pub(super) struct PlanArguments {
     #[arg(long, value_name = "FILE")]
     pub design: Option<PathBuf>,
     /// Points of a task [default: as many as make at most 150 tasks]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub per_task: Option<NonZeroUsize>,
     /// Points that a task runs at the same time; the scheduler gives it so many processors
-    #[arg(long, value_name = "N", default_value_t = NonZeroUsize::MIN)]
+    #[arg(long, value_name = "N", default_value_t = NonZeroUsize::MIN, value_parser = count, allow_negative_numbers = true)]
     pub threads: NonZeroUsize,
     #[command(flatten)]
     pub settings: Settings,
@@ -492,7 +497,7 @@ pub(super) struct RunArguments {
     pub csv: bool,
     /// Number of threads: so many analyses run at the same time, and fewer analyses solve their films
     /// on cells side by side [default: the machine's processors]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
     /// Keep only these channels, by patterns: `main[*].force.*`; may be given several times [default: all]
     #[arg(long, value_name = "PATTERN", value_parser = pattern)]
@@ -502,7 +507,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "PATH")]
     pub gradients: Vec<String>,
     /// Keep only the last part of each analysis: `"2 rev"`, `720deg`, `50ms` [default: the whole]
-    #[arg(long, value_name = "PART")]
+    #[arg(long, value_name = "PART", allow_hyphen_values = true)]
     pub last: Option<String>,
     /// Continue interrupted runs; complete analyses are not run again
     #[arg(long)]
@@ -577,6 +582,12 @@ fn points(text: &str) -> Result<Points, String> {
             "give the first and the last point, counted from 1: `1..64`; or `failed`".to_owned(),
         ),
     }
+}
+
+/// A number of things.
+fn count(text: &str) -> Result<NonZeroUsize, String> {
+    let read = text.trim().parse::<NonZeroUsize>();
+    read.map_err(|_| "give a whole number from 1".to_owned())
 }
 
 /// `3/157`.

@@ -35,7 +35,8 @@ pub(super) fn explain(
     let found = codes::find(asked).map(explanation);
     let found = found.or_else(|| kind(asked)).or_else(|| function(asked));
     let found = found.or_else(|| crate::definitions::of_library(asked));
-    match found.or_else(|| word_or_lint(asked)) {
+    let found = found.or_else(|| word_or_lint(asked));
+    match found.or_else(|| argument(asked)) {
         Some(text) => {
             write!(console.output, "{text}")?;
             Ok(())
@@ -138,6 +139,27 @@ fn kind(name: &str) -> Option<String> {
         text.push_str(&format!("    {name}{pad}  {about}\n"));
     }
     Some(text)
+}
+
+/// An argument of analyses and figures, with its meaning in each of them.
+fn argument(name: &str) -> Option<String> {
+    let analyses = eng_system::analysis::KINDS.iter().flat_map(|row| {
+        let arguments = row.arguments.iter();
+        arguments.map(move |argument| ("analysis", row.name, argument.name, argument.about))
+    });
+    let figures = eng_system::figure::KINDS.iter().flat_map(|row| {
+        let arguments = row.arguments.iter();
+        arguments.map(move |argument| ("figure", row.name, argument.name, argument.about))
+    });
+    let own = analyses.chain(figures).filter(|found| found.2 == name);
+    let texts: Vec<String> = own
+        .map(|(noun, kind, _, about)| {
+            wrapped(&format!(
+                "`{name}` is an argument of the {noun} `{kind}`: {about}"
+            )) + "\n"
+        })
+        .collect();
+    (!texts.is_empty()).then(|| texts.join("\n"))
 }
 
 /// The forms and the meaning of a function of the language.

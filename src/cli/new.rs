@@ -24,6 +24,10 @@ pub(super) fn new(arguments: &NewArguments, console: &mut Terminal<'_>) -> Resul
     if let Err(error) = create(&file, arguments.from.text()) {
         let reason = match error.kind() {
             ErrorKind::AlreadyExists => "exists and is not replaced; give another name".to_owned(),
+            ErrorKind::NotFound => {
+                let folder = file.parent().unwrap_or(&file);
+                format!("there is no folder {}; make it first", folder.display())
+            }
             _ => error.to_string(),
         };
         writeln!(console.errors, "error: {}: {reason}", file.display())?;

@@ -8,6 +8,7 @@ use super::run::chosen;
 use super::terminal::Terminal;
 use super::{Refusal, Stop, USAGE_OR_SYSTEM};
 use crate::Quantity;
+use crate::indexed::listed;
 use crate::motion::SUFFIX;
 use crate::plot::write_svg_and_png;
 use crate::report::{At, Drawn, Entry, Made, Request, make, write_fields, write_series};
@@ -197,7 +198,7 @@ fn refuse_missing(
         console.errors,
         "error: {} has no results of {}; run first: eng run {}{}{}",
         folder.display(),
-        missing.join(", "),
+        listed(missing.iter().map(String::as_str)),
         arguments.model.display(),
         if begun.is_empty() { "" } else { " --resume" },
         match &arguments.results {

@@ -11,7 +11,7 @@ use super::{MODEL_WRONG, Refusal, Stop, USAGE_OR_SYSTEM, post, study};
 use crate::analysis::Analysis;
 use crate::error::Error;
 use crate::figures;
-use crate::indexed::base;
+use crate::indexed::{base, listed};
 use crate::post::Run;
 use crate::program::Program;
 use crate::quantity::{Quantity, QuantityError};
@@ -401,7 +401,7 @@ pub(super) fn chosen<'a>(
                 if known.is_empty() {
                     "none".to_owned()
                 } else {
-                    known.join(", ")
+                    listed(known.iter().copied())
                 }
             )?;
             return Err(Stop::Code(USAGE_OR_SYSTEM));

@@ -242,6 +242,18 @@ impl Dataset {
         }
         let table = match PointTable::read(&file.path) {
             Err(_) if !file.path.exists() => return Ok((Vec::new(), None)),
+            // a run does not replace a part that it cannot read
+            Err(
+                ResultsError::Damaged { problem, .. }
+                | ResultsError::Foreign {
+                    message: problem, ..
+                },
+            ) => {
+                let (from, to) = (file.from, file.to);
+                return Err(other(format!(
+                    "{problem}; remove this file, and run the points {from}..{to} again"
+                )));
+            }
             read => read?,
         };
         let metadata = table.header.metadata();
