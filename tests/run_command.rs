@@ -26,10 +26,12 @@ impl Folder {
         self.0.join(name)
     }
 
+    /// The files of results, without the name of their text.
     fn files(&self) -> Vec<String> {
         let mut names: Vec<String> = std::fs::read_dir(self.path("results/model"))
             .unwrap()
             .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+            .filter(|name| name != ".text")
             .collect();
         names.sort();
         names

@@ -6,7 +6,8 @@ use super::{Stop, USAGE_OR_SYSTEM};
 use crate::figures::Wanted;
 use crate::plot;
 use crate::post::Run;
-use crate::results::{failed_twin, stem_of};
+use crate::results::{failed_twin, replace_file, stem_of};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// The default folder of results.
@@ -24,6 +25,55 @@ pub(super) fn results_folder(model: &Path) -> PathBuf {
 pub(super) fn folder_of(arguments: &RunArguments) -> PathBuf {
     let stated = arguments.out.clone();
     stated.unwrap_or_else(|| results_folder(&arguments.model))
+}
+
+/// The file in a default folder of results that names their text.
+const TEXT: &str = ".text";
+
+/// Keeps the results of another text: texts in several folders may have one file name, and so one default folder.
+///
+/// # Errors
+/// Results of another text that is still there; a folder that cannot be written.
+pub(super) fn claim(arguments: &RunArguments, folder: &Path) -> Result<(), String> {
+    match (&arguments.out, std::env::current_dir()) {
+        (None, Ok(here)) => claim_from(&here, &arguments.model, folder),
+        // the folder was chosen for these results
+        _ => Ok(()),
+    }
+}
+
+/// [`claim`] with the current folder, to which the paths are relative.
+fn claim_from(here: &Path, model: &Path, folder: &Path) -> Result<(), String> {
+    let (Ok(here), Ok(text)) = (here.canonicalize(), here.join(model).canonicalize()) else {
+        return Ok(());
+    };
+    // relative, because folders with results and texts are moved and copied
+    let own = text.strip_prefix(&here).unwrap_or(&text);
+    let own = own.to_string_lossy().into_owned();
+    let results = here.join(folder);
+    let note = results.join(TEXT);
+    let known = crate::regular::read(&note).unwrap_or_default();
+    let known = String::from_utf8_lossy(&known).into_owned();
+    if known == own {
+        return Ok(());
+    }
+    if !known.is_empty() && here.join(&known).is_file() && has_results(&results) {
+        return Err(format!(
+            "{} has the results of {known}: choose another folder for those of {own} by --out",
+            folder.display()
+        ));
+    }
+    let written: io::Result<()> = replace_file(&note, |file| file.write_all(own.as_bytes()));
+    written.map_err(|error| format!("{}: {error}", note.display()))
+}
+
+/// Whether a folder has samples, also of a run that was interrupted.
+fn has_results(folder: &Path) -> bool {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).any(|path| {
+        path.extension()
+            .is_some_and(|end| end == "parquet" || end == "arrows")
+    })
 }
 
 /// Writes figures: names (without extension) and SVG texts.
@@ -94,5 +144,37 @@ pub(super) fn or_stop<T, E: std::fmt::Display>(
             writeln!(console.errors, "error: {error}")?;
             Err(Stop::Code(USAGE_OR_SYSTEM))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_of_another_text_are_not_replaced() {
+        let here = std::env::temp_dir().join(format!("eng-claim-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&here);
+        let folder = Path::new("results/x");
+        for place in ["a", "b", "results/x"] {
+            std::fs::create_dir_all(here.join(place)).unwrap();
+        }
+        let (first, second) = (Path::new("a/x.eng"), Path::new("b/x.eng"));
+        for text in [first, second] {
+            std::fs::write(here.join(text), "").unwrap();
+        }
+        let claim = |text: &Path| claim_from(&here, text, folder);
+        assert_eq!(claim(first), Ok(()));
+        // no results yet
+        assert_eq!(claim(second), Ok(()));
+        std::fs::write(here.join("results/x/run.parquet"), "").unwrap();
+        assert_eq!(claim(second), Ok(()));
+        let refused = claim(first).unwrap_err();
+        let told = "results of b/x.eng: choose another folder for those of a/x.eng by --out";
+        assert!(refused.replace('\\', "/").ends_with(told), "{refused}");
+        // the text has moved
+        std::fs::remove_file(here.join(second)).unwrap();
+        assert_eq!(claim(first), Ok(()));
+        std::fs::remove_dir_all(&here).unwrap();
     }
 }

@@ -1,7 +1,7 @@
 //! `eng run`.
 
 use super::arguments::{RunArguments, RunCommand, Setting, Settings};
-use super::files::{draw_all, folder_of, or_stop, wrote};
+use super::files::{claim, draw_all, folder_of, or_stop, wrote};
 use super::open::checked;
 use super::outcomes::{Ended, Outcomes};
 use super::outputs::{Output, apart};
@@ -80,6 +80,7 @@ pub(super) fn due<'p>(
             or_stop(writable(&csv.path), console)?;
         }
     }
+    or_stop(claim(arguments, folder), console)?;
     let settings = &arguments.settings;
     let steps = or_stop(steps(settings), console)?;
     let prepared = program.analyses_of(&names).into_iter();
