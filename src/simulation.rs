@@ -201,6 +201,15 @@ impl Simulation {
         }
     }
 
+    /// Refuses a time (s) to which [`Simulation::advance`] cannot go, and changes nothing.
+    ///
+    /// # Errors
+    /// A time that is not later than the present one, or that is so near that numbers resolve no motion until then.
+    pub fn may_advance(&self, to: f64) -> Result<(), Error> {
+        let may = self.inner.may_advance(to);
+        may.map_err(|cause| run_error(&self.model, cause))
+    }
+
     /// Sets an input (SI) from the present time on.
     ///
     /// # Errors

@@ -707,6 +707,8 @@ fn wrong_uses_of_inputs_are_told() {
     );
     told(refused(simulation.advance(f64::NAN)), "time goes forward");
     told(refused(simulation.advance(0.05)), "time goes forward");
+    let near = simulation.advance(0.1 + 1e-15);
+    told(refused(near), "too short for a step");
 
     let linear = model("linear");
     let load = done(linear.input("load"));

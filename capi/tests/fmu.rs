@@ -203,6 +203,7 @@ fn wrong_calls_are_refused_with_the_reason() {
     refused(one.step(0.1, 0.0), "a step goes forward");
     refused(one.step(0.1, -0.1), "a step goes forward");
     refused(one.step(f64::NAN, 0.1), "a step goes forward");
+    refused(one.step(0.1, 1e-15), "too short for a step");
     let mut number = 0;
     // SAFETY: the instance and the numbers live
     refused(

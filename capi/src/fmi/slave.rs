@@ -360,6 +360,7 @@ impl Slave {
                 "a step begins at the present time, {now} s, and not at {from} s; to go back, restore a saved state"
             )));
         }
+        self.running()?.simulation.may_advance(from + length)?;
         let mut aims = Vec::new();
         for reference in 0..self.variables.len() {
             let rate = self.rates.get_mut(reference).and_then(Option::take);

@@ -11,6 +11,10 @@ use eng_system::system::StepControl;
 /// is no step.
 const ON_GRID: (f64, f64) = (1e-9, 4.0 * f64::EPSILON);
 
+/// Shortest way of time: seconds, and a share of the time. Choices: a few of the shortest steps of error control, and a few last
+/// places of a time.
+const SHORTEST: (f64, f64) = (4e-14, 8.0 * f64::EPSILON);
+
 impl Simulation {
     /// Sets an input (SI) from the present time on. A new value begins a jump: positions, velocities and states stay
     /// as they are, and accelerations are computed again at the next step.
@@ -51,14 +55,11 @@ impl Simulation {
         signals.aim(&self.model, index, point, time)
     }
 
-    /// Steps up to a time (s), which no step crosses, or to the moment at which the condition of `stop` begins to hold
-    /// ([`Simulation::stopped`]). Fixed steps keep their grid: a point on the grid is the
-    /// grid's own number, so it cuts no step, and the bits are those of steps without this point.
+    /// Refuses a time (s) to which [`Simulation::advance`] cannot go, and changes nothing.
     ///
     /// # Errors
-    /// A time that is not later than the present one; those of a step. After a failed step the simulation stays at
-    /// the end of the last accepted one.
-    pub fn advance(&mut self, to: f64) -> Result<StepReport, RuntimeError> {
+    /// A time that is not later than the present one, or that is so near that numbers resolve no motion until then.
+    pub fn may_advance(&self, to: f64) -> Result<(), RuntimeError> {
         let begin = self.time();
         if !to.is_finite() || to <= begin {
             return Err(RuntimeError::Options {
@@ -67,6 +68,27 @@ impl Simulation {
                 ),
             });
         }
+        let least = SHORTEST.0.max(SHORTEST.1 * to.abs());
+        if to - begin < least {
+            return Err(RuntimeError::Options {
+                message: format!(
+                    "from {begin} s to {to} s is too short for a step, because numbers resolve no motion in it: advance by {least:.1e} s or more"
+                ),
+            });
+        }
+        Ok(())
+    }
+
+    /// Steps up to a time (s), which no step crosses, or to the moment at which the condition of `stop` begins to hold
+    /// ([`Simulation::stopped`]). Fixed steps keep their grid: a point on the grid is the
+    /// grid's own number, so it cuts no step, and the bits are those of steps without this point.
+    ///
+    /// # Errors
+    /// A time that is not later than the present one; those of a step. After a failed step the simulation stays at
+    /// the end of the last accepted one.
+    pub fn advance(&mut self, to: f64) -> Result<StepReport, RuntimeError> {
+        self.may_advance(to)?;
+        let begin = self.time();
         let on_grid = self.options.step.fixed().and_then(|nominal| {
             let time = self.grid.point_near(to, nominal);
             let near = (ON_GRID.0 * nominal).max(ON_GRID.1 * to.abs());
