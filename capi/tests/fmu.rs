@@ -461,6 +461,12 @@ fn wrong_choices_are_refused_before_anything_is_written() {
         (code, text.as_str()),
         (2, "error: the library no.so is no file\n")
     );
+    let (code, text) = command(&["build", paths[0], "--to", "fmu", "--library", paths[0]]);
+    assert_eq!(code, 2);
+    assert!(
+        text.contains("model.eng is no library of Eng: build it"),
+        "{text}"
+    );
     let (code, text) = command(&["build", "--to", "fmu", "--library", paths[2]]);
     assert_eq!(code, 2);
     assert!(text.contains("name the model's file"), "{text}");

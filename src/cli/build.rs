@@ -18,6 +18,9 @@ const HEADER: &str = include_str!("../../capi/include/eng.h");
 /// The variable of the environment that names the library.
 const LIBRARY: &str = "ENG_LIBRARY";
 
+/// The way to the library.
+const BUILD_IT: &str = "build it with `cargo build --release --package eng-capi`, and name it with --library or ENG_LIBRARY";
+
 pub(super) fn build(arguments: &BuildArguments, console: &mut Terminal<'_>) -> Result<(), Stop> {
     let library = match library(arguments) {
         Ok(library) => library,
@@ -34,8 +37,44 @@ fn refused(problem: &str, console: &mut Terminal<'_>) -> Result<(), Stop> {
     Err(Stop::Code(USAGE_OR_SYSTEM))
 }
 
+/// The text before `=` and the version in the bytes of the library, as `eng_version` of `capi` has it.
+const MARK: &[u8] = b"eng-library-version";
+
 /// The library: the stated one, that of the environment, or one beside the command.
+///
+/// # Errors
+/// No such file; a file that is no library of this version.
 fn library(arguments: &BuildArguments) -> Result<PathBuf, String> {
+    let library = named(arguments)?;
+    let bytes = crate::regular::read(&library)
+        .map_err(|error| format!("{}: {error}", library.display()))?;
+    let (own, found) = (env!("CARGO_PKG_VERSION"), versions(&bytes));
+    if found.contains(&own) {
+        return Ok(library);
+    }
+    let problem = match found.first() {
+        Some(other) => format!("is the library of Eng {other}, and this is Eng {own}"),
+        None => "is no library of Eng".to_owned(),
+    };
+    Err(format!("{} {problem}: {BUILD_IT}", library.display()))
+}
+
+/// The versions behind the marks in the bytes of a library. The library is not loaded: it may be of another system.
+fn versions(bytes: &[u8]) -> Vec<&str> {
+    let (mut found, mut marked) = (Vec::new(), false);
+    for part in bytes.split(|byte| *byte == b'=') {
+        if marked {
+            let version = part.split(|byte| matches!(byte, 0 | b'\n')).next();
+            let version = version.filter(|version| version.len() < part.len());
+            found.extend(version.and_then(|version| std::str::from_utf8(version).ok()));
+        }
+        marked = part.ends_with(MARK);
+    }
+    found
+}
+
+/// The file of the library.
+fn named(arguments: &BuildArguments) -> Result<PathBuf, String> {
     let stated = arguments.library.clone();
     let stated = stated.or_else(|| {
         std::env::var_os(LIBRARY)
@@ -52,11 +91,11 @@ fn library(arguments: &BuildArguments) -> Result<PathBuf, String> {
     let command = std::env::current_exe().unwrap_or_default();
     let here = command.parent().unwrap_or_else(|| Path::new(""));
     let places = [here.join(&name), here.join("../lib").join(&name)];
-    places.iter().find(|place| place.is_file()).cloned().ok_or_else(|| {
-        format!(
-            "{name} is not beside the command: build it with `cargo build --release --package eng-capi`, and name it with --library or {LIBRARY}"
-        )
-    })
+    places
+        .iter()
+        .find(|place| place.is_file())
+        .cloned()
+        .ok_or_else(|| format!("{name} is not beside the command: {BUILD_IT}"))
 }
 
 /// Copies the library and its header into a folder.
@@ -168,5 +207,21 @@ fn subject(arguments: &BuildArguments, program: &Program) -> Result<Subject, Str
             "choose one with --model, or an analysis with --analysis; the models are: {}",
             models.join(", ")
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::versions;
+
+    #[test]
+    fn a_library_is_known_by_its_mark() {
+        let library = b"\x7fELF eng-library-version=\0=\xff eng-library-version=0.2.0\0more=";
+        assert_eq!(versions(library), ["", "0.2.0"]);
+        assert_eq!(versions(b"eng-library-version=0.1.0\n"), ["0.1.0"]);
+        let others: [&[u8]; 3] = [b"", b"root:x:0:0", b"eng-library-version=0.1.0"];
+        for other in others {
+            assert!(versions(other).is_empty(), "{other:?}");
+        }
     }
 }

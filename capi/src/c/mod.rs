@@ -26,15 +26,23 @@ thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
+/// The text before the version in the bytes of the library. `eng build` looks for both, so that it packs no other file.
+const MARK: &str = "eng-library-version=";
+
+/// The mark and the version.
+const MARKED: &CStr = match CStr::from_bytes_with_nul(
+    concat!("eng-library-version=", env!("CARGO_PKG_VERSION"), "\0").as_bytes(),
+) {
+    Ok(marked) => marked,
+    // no version has a zero
+    Err(_) => c"eng-library-version=",
+};
+
 /// The version of the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn eng_version() -> *const c_char {
-    const VERSION: &CStr =
-        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
-            Ok(version) => version,
-            Err(_) => c"",
-        };
-    VERSION.as_ptr()
+    // stays inside: the text begins with the mark
+    MARKED.as_ptr().wrapping_add(MARK.len())
 }
 
 /// The reason of the last failure in this thread, in UTF-8. It is valid until the next failure in this thread.
