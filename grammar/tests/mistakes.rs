@@ -57,6 +57,12 @@ fn one_mistake_one_message() {
 }
 
 #[test]
+fn a_misplaced_head_of_several_lines_has_one_message() {
+    let text = "use std.joints.Revolute\n//! one\n//! two\n\n//! three\nmodel M { }\n";
+    assert_eq!(parsed(text).1.iter().count(), 1, "{}", messages(text));
+}
+
+#[test]
 fn every_code_has_a_wrong_text() {
     let mut shown = include_str!("one_line_mistakes.txt")
         .lines()

@@ -253,6 +253,10 @@ pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Optio
         // This text already has its message.
         return None;
     }
+    if continues_comment(text, start) {
+        // So has this one, at the first of its lines.
+        return None;
+    }
     if let Some(diagnostic) = brackets(builder, tokens) {
         return found(diagnostic);
     }
@@ -279,6 +283,15 @@ pub(crate) fn item(builder: &Builder<'_, '_>, start: usize, end: usize) -> Optio
         Diagnostic::error(codes::UNEXPECTED, "this cannot be here")
             .at(builder.span(from, to), "no item begins like this"),
     )
+}
+
+/// Whether `//!` at `start` is a further line of such a comment, which is not at the head of the file.
+fn continues_comment(text: &str, start: usize) -> bool {
+    let before = text.get(..start).unwrap_or("").trim_end();
+    let line = before.rfind('\n').map_or(0, |end| end + 1);
+    let is_of_file =
+        |part: Option<&str>| part.is_some_and(|part| part.trim_start().starts_with("//!"));
+    is_of_file(text.get(start..)) && is_of_file(before.get(line..))
 }
 
 /// The first bytes of lines that begin outside of brackets, without the first line.
