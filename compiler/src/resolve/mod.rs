@@ -9,12 +9,14 @@ pub use modules::{RETURN_ALONE, lone_return};
 mod scopes;
 pub(crate) use scopes::defined_name;
 pub(crate) mod suggest;
+mod trees;
 mod units;
 
 use crate::program::Program;
 pub(crate) use crate::program::{JOURNAL_LAW, WELD};
 use eng_grammar::{Diagnostics, SourceMap};
 use eng_system::host::Host;
+pub use trees::Trees;
 
 /// The module that every file uses.
 pub const PRELUDE: &str = "std.prelude";
@@ -27,11 +29,29 @@ pub fn resolve(
     sources: &mut SourceMap,
     diagnostics: &mut Diagnostics,
 ) -> Program {
+    resolve_with(root, host, library, None, sources, diagnostics)
+}
+
+/// [`resolve`] for a program that is read again and again: `trees` keeps those of the library.
+pub fn resolve_with(
+    root: &str,
+    host: &dyn Host,
+    library: &[(&str, &str)],
+    trees: Option<&mut Trees>,
+    sources: &mut SourceMap,
+    diagnostics: &mut Diagnostics,
+) -> Program {
     let mut program = Program {
         offered: modules::offered(library),
         ..Program::default()
     };
-    modules::load(root, host, library, sources, diagnostics, &mut program);
+    modules::load(
+        root,
+        host,
+        library,
+        trees,
+        (sources, diagnostics, &mut program),
+    );
     scopes::fill(&mut program, diagnostics);
     units::dimensions(&mut program, diagnostics);
     units::units(&mut program, diagnostics);

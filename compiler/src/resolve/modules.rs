@@ -2,10 +2,11 @@
 
 use super::PRELUDE;
 use super::suggest::nearest;
+use super::trees::Trees;
 use crate::codes;
 use crate::program::{Module, Offered, Program, is_library};
 use eng_grammar::ast::{Form, Item, ItemKind, Kind, Use, UseNames};
-use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, UnitWords};
+use eng_grammar::{Diagnostic, Diagnostics, SourceMap, Span, UnitWords, parse_with_units};
 use eng_system::host::{Host, HostError};
 use std::collections::BTreeMap;
 
@@ -73,6 +74,8 @@ const DEEPEST_FILES: usize = 100;
 struct Loader<'a> {
     host: &'a dyn Host,
     library: &'a [(&'a str, &'a str)],
+    /// Trees of earlier readings.
+    trees: Option<&'a mut Trees>,
     sources: &'a mut SourceMap,
     diagnostics: &'a mut Diagnostics,
     program: &'a mut Program,
@@ -92,9 +95,8 @@ pub(super) fn load(
     root: &str,
     host: &dyn Host,
     library: &[(&str, &str)],
-    sources: &mut SourceMap,
-    diagnostics: &mut Diagnostics,
-    program: &mut Program,
+    mut trees: Option<&mut Trees>,
+    (sources, diagnostics, program): (&mut SourceMap, &mut Diagnostics, &mut Program),
 ) {
     let earlier = (sources.clone(), program.clone());
     let mut messages = Diagnostics::new();
@@ -103,6 +105,7 @@ pub(super) fn load(
         root,
         host,
         library,
+        trees.as_deref_mut(),
         (sources, &mut messages, program),
         &mut units,
     );
@@ -113,6 +116,7 @@ pub(super) fn load(
             root,
             host,
             library,
+            trees,
             (sources, &mut messages, program),
             &mut units,
         );
@@ -124,12 +128,14 @@ fn read_all(
     root: &str,
     host: &dyn Host,
     library: &[(&str, &str)],
+    trees: Option<&mut Trees>,
     (sources, diagnostics, program): (&mut SourceMap, &mut Diagnostics, &mut Program),
     units: &mut UnitWords,
 ) {
     let mut loader = Loader {
         host,
         library,
+        trees,
         sources,
         diagnostics,
         program,
@@ -274,11 +280,19 @@ impl Loader<'_> {
             }
         };
         // the units of a user do not change the reading of the library's texts
-        let units = match is_library(path) {
-            true => &mut self.library_units,
-            false => &mut *self.units,
+        let mut tree = match (is_library(path), &mut self.trees) {
+            (true, Some(trees)) => trees.read(
+                path,
+                text,
+                source,
+                &mut self.library_units,
+                self.diagnostics,
+            ),
+            (true, None) => {
+                parse_with_units(text, source, &mut self.library_units, self.diagnostics)
+            }
+            (false, _) => parse_with_units(text, source, self.units, self.diagnostics),
         };
-        let mut tree = eng_grammar::parse_with_units(text, source, units, self.diagnostics);
         if is_library(path) {
             let known = &self.library_units.known;
             self.units.known.extend(known.iter().cloned());
