@@ -85,7 +85,11 @@ pub(super) enum Command {
     ///
     /// Speaks the Language Server Protocol on the standard input and output. An editor starts it; see
     /// `docs/editor.md`.
-    Lsp,
+    Lsp {
+        /// Use the standard input and output, as always: many editors add this word
+        #[arg(long = "stdio")]
+        _stdio: bool,
+    },
     /// Write a first model into a new file: it checks, runs and has a report
     New(NewArguments),
     /// Print the script that completes the words of this command in a shell
