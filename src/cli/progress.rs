@@ -1,4 +1,4 @@
-//! The progress bars of runs.
+//! The progress bars of runs, and below them what Ctrl-C leaves.
 
 use crate::Progress;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -7,11 +7,14 @@ use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 pub(super) struct Bars {
     all: MultiProgress,
     shown: Vec<Option<ProgressBar>>,
+    /// The words below the bars. They stay on the terminal when Ctrl-C ends the command.
+    advice: Option<&'static str>,
+    below: Option<ProgressBar>,
 }
 
 impl Bars {
     /// Bars for a number of analyses on the process's standard error. Hidden bars draw nothing.
-    pub fn new(analyses: usize, hidden: bool) -> Bars {
+    pub fn new(analyses: usize, hidden: bool, advice: Option<&'static str>) -> Bars {
         let target = match hidden {
             true => ProgressDrawTarget::hidden(),
             false => ProgressDrawTarget::stderr(),
@@ -19,22 +22,41 @@ impl Bars {
         Bars {
             all: MultiProgress::with_draw_target(target),
             shown: vec![None; analyses],
+            advice,
+            below: None,
         }
     }
 
     /// Moves the bar of an analysis. The first call draws it.
     pub fn show(&mut self, index: usize, name: &str, progress: Progress) {
-        if let Some(bar) = self.shown.get_mut(index) {
-            let bar = bar.get_or_insert_with(|| self.all.add(progress_bar(name)));
-            show_progress(bar, progress);
+        let Some(bar) = self.shown.get_mut(index) else {
+            return;
+        };
+        if self.below.is_none()
+            && let Some(advice) = self.advice
+        {
+            let below = self.all.add(line());
+            below.set_message(advice);
+            self.below = Some(below);
         }
+        let bar = bar.get_or_insert_with(|| match &self.below {
+            Some(below) => self.all.insert_before(below, progress_bar(name)),
+            None => self.all.add(progress_bar(name)),
+        });
+        show_progress(bar, progress);
     }
 
-    /// Removes the bar of an analysis.
+    /// Removes the bar of an analysis, and with the last one the words below.
     pub fn end(&mut self, index: usize) {
         if let Some(bar) = self.shown.get_mut(index).and_then(Option::take) {
             bar.finish_and_clear();
             self.all.remove(&bar);
+        }
+        if self.shown.iter().all(Option::is_none)
+            && let Some(below) = self.below.take()
+        {
+            below.finish_and_clear();
+            self.all.remove(&below);
         }
     }
 
@@ -53,6 +75,15 @@ fn progress_bar(analysis: &str) -> ProgressBar {
     let template = "{prefix} {wide_bar} {percent:>3} %  {msg}  {eta} left";
     match ProgressStyle::with_template(template) {
         Ok(style) => bar.with_style(style.progress_chars("━╸─")),
+        Err(_) => bar,
+    }
+}
+
+/// A line of words.
+fn line() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+    match ProgressStyle::with_template("{msg}") {
+        Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
 }
@@ -98,5 +129,24 @@ mod tests {
         let bar = progress_bar("unfired");
         show_progress(&bar, progress);
         assert_eq!((bar.position(), bar.length()), (500, Some(1000)));
+    }
+
+    #[test]
+    fn the_words_below_stay_as_long_as_a_bar() {
+        let progress = Progress {
+            fraction: 0.5,
+            time: 0.03,
+            steps: 0,
+            cycle_angle: None,
+            cycles: None,
+        };
+        let mut bars = Bars::new(2, true, Some("Ctrl-C keeps the samples"));
+        bars.show(0, "first", progress);
+        bars.show(1, "second", progress);
+        bars.end(0);
+        let words = bars.below.as_ref().map(ProgressBar::message);
+        assert_eq!(words.as_deref(), Some("Ctrl-C keeps the samples"));
+        bars.end(1);
+        assert!(bars.below.is_none());
     }
 }

@@ -22,6 +22,7 @@ use crate::tables::{modes, response, sweep};
 use crate::timings::{self, Clock};
 use eng_grammar::Diagnostics;
 use eng_system::Dimension;
+use eng_system::analysis::AnalysisKind;
 use eng_system::system::StepControl;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -171,7 +172,11 @@ pub(super) fn run_all(
 ) -> Result<bool, Stop> {
     let (arguments, texts) = (outcomes.arguments, outcomes.program.texts());
     let names: Vec<&str> = due.iter().map(|(name, _)| *name).collect();
-    let mut bars = Bars::new(names.len(), arguments.quiet || !console.live);
+    let advice = due
+        .iter()
+        .any(|(_, made)| made.as_ref().is_ok_and(can_resume));
+    let advice = advice.then_some("Ctrl-C keeps the samples so far, and --resume continues");
+    let mut bars = Bars::new(names.len(), arguments.quiet || !console.live, advice);
     let mut queue = Queue {
         names: &names,
         outcomes,
@@ -232,6 +237,11 @@ pub(super) fn run_all(
         queue.go_over_all(console);
     }
     queue.stop.map_or(Ok(stopped), Err)
+}
+
+/// Whether a run that is interrupted leaves a checkpoint from which `--resume` continues.
+fn can_resume(analysis: &Analysis) -> bool {
+    matches!(analysis.kind(), AnalysisKind::Transient(run) if run.gradients.is_empty())
 }
 
 /// Analyses that have ended and wait for their turn in the report.

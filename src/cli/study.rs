@@ -87,7 +87,11 @@ pub(super) fn run(
         )?;
     }
     for (from, to) in parts {
-        let mut bars = Bars::new(to + 1 - from, arguments.quiet || !console.live);
+        let mut bars = Bars::new(
+            to + 1 - from,
+            arguments.quiet || !console.live,
+            Some("Ctrl-C keeps the points that have ended, and the same command continues"),
+        );
         let ended = study.run(
             &dataset,
             (from, to),
