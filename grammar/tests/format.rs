@@ -128,12 +128,16 @@ fn mistakes_give_their_messages() {
 /// A check-out on Windows has other line ends than the repository, and stays in its form.
 #[test]
 fn the_first_line_end_is_that_of_all_lines() {
-    let text = "// of one\nparam  bore:Length=86mm // wide\n\n\n/// Stroke.\nparam stroke: Length = 80 mm";
+    let text =
+        "// of one\nparam  bore:Length=86mm // wide\n\n\n/// Stroke.\nparam stroke: Length = 80 mm";
     let tidy = formed("line feeds", text);
     let returns = tidy.replace('\n', "\r\n");
     assert_eq!(formed("returns", &text.replace('\n', "\r\n")), returns);
     assert_eq!(formed("its own form", &returns), returns);
-    assert_eq!(formed("first a return", &text.replacen('\n', "\r\n", 1)), returns);
+    assert_eq!(
+        formed("first a return", &text.replacen('\n', "\r\n", 1)),
+        returns
+    );
     let last = text.replace("\n/// Stroke", "\r\n/// Stroke");
     assert_eq!(formed("last a return", &last), tidy);
 }
