@@ -33,6 +33,8 @@ struct Editor {
     output: BufReader<ChildStdout>,
     folder: Temporary,
     next: i64,
+    /// The number of the last text.
+    version: i64,
     /// Messages that came while an answer was due.
     told: Vec<Value>,
 }
@@ -42,7 +44,7 @@ impl Editor {
         let mut folder = Temporary::new(&format!("lsp-{name}"));
         folder.0 = folder.canonicalize().expect("a folder");
         let mut child = Command::new(env!("CARGO_BIN_EXE_eng"))
-            .arg("lsp")
+            .args(["lsp", "--stdio"])
             .env("ENG_CACHE", folder.join("cache"))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -56,6 +58,7 @@ impl Editor {
             child,
             folder,
             next: 0,
+            version: 1,
             told: Vec::new(),
         };
         let about = editor.ask(
@@ -134,35 +137,64 @@ impl Editor {
     }
 
     fn change(&mut self, uri: &str, text: &str) {
-        let document = json!({ "uri": uri, "version": 2 });
+        self.change_by(uri, &json!([{ "text": text }]));
+    }
+
+    fn change_by(&mut self, uri: &str, changes: &Value) {
+        self.version += 1;
+        let document = json!({ "uri": uri, "version": self.version });
         self.tell(
             "textDocument/didChange",
-            &json!({ "textDocument": document, "contentChanges": [{ "text": text }] }),
+            &json!({ "textDocument": document, "contentChanges": changes }),
         );
     }
 
-    /// The next messages about a text.
-    fn messages(&mut self, uri: &str) -> Vec<Value> {
+    /// The next messages about a text, with its number.
+    fn versioned(&mut self, uri: &str) -> (i64, Vec<Value>) {
         loop {
             let told = match self.told.is_empty() {
                 true => self.receive(),
                 false => self.told.remove(0),
             };
-            if told["method"] == "textDocument/publishDiagnostics" && told["params"]["uri"] == uri {
-                return told["params"]["diagnostics"]
-                    .as_array()
-                    .cloned()
-                    .expect("a list");
+            let about = &told["params"];
+            if told["method"] == "textDocument/publishDiagnostics" && about["uri"] == uri {
+                let version = about["version"].as_i64().expect("a number");
+                let list = about["diagnostics"].as_array().cloned();
+                return (version, list.expect("a list"));
             }
         }
     }
 
+    /// The next messages about a text.
+    fn messages(&mut self, uri: &str) -> Vec<Value> {
+        self.versioned(uri).1
+    }
+
+    /// Waits until the model of a text is known: the first place of `mark` has numbers.
+    fn settled(&mut self, uri: &str, text: &str, mark: &str) {
+        for _ in 0..300 {
+            let hover = self.at("textDocument/hover", uri, text, mark, 1);
+            let words = hover["contents"]["value"].as_str().unwrap_or("");
+            if words.contains("```text") {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        panic!("the model does not come");
+    }
+
+    /// Asks about a text as a whole.
+    fn whole(&mut self, method: &str, uri: &str) -> Value {
+        let range = json!({ "start": place("", 0), "end": { "line": 9999, "character": 0 } });
+        self.ask(
+            &format!("textDocument/{method}"),
+            &json!({ "textDocument": { "uri": uri }, "range": range }),
+        )
+    }
+
     /// Asks at the first place of `mark` in a text, `after` characters into it.
     fn at(&mut self, method: &str, uri: &str, text: &str, mark: &str, after: usize) -> Value {
-        let byte = text.find(mark).unwrap_or_else(|| panic!("no {mark}")) + after;
-        let line = text[..byte].matches('\n').count();
-        let character = byte - text[..byte].rfind('\n').map_or(0, |end| end + 1);
-        let position = json!({ "line": line, "character": character });
+        let position = place(text, of(text, mark) + after);
         self.ask(
             method,
             &json!({ "textDocument": { "uri": uri }, "position": position }),
@@ -203,6 +235,40 @@ impl Drop for Editor {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// The byte of the first place of a mark.
+fn of(text: &str, mark: &str) -> usize {
+    text.find(mark).unwrap_or_else(|| panic!("no {mark}"))
+}
+
+/// A position in the form of the protocol, in a text of ASCII letters.
+fn place(text: &str, byte: usize) -> Value {
+    let line = text[..byte].matches('\n').count();
+    let character = byte - text[..byte].rfind('\n').map_or(0, |end| end + 1);
+    json!({ "line": line, "character": character })
+}
+
+/// The bytes of a range in a text of ASCII letters.
+fn bytes(text: &str, range: &Value) -> std::ops::Range<usize> {
+    let byte = |position: &Value| {
+        let number = |name: &str| position[name].as_u64().expect("a number") as usize;
+        let lines = text.split_inclusive('\n').take(number("line"));
+        lines.map(str::len).sum::<usize>() + number("character")
+    };
+    byte(&range["start"])..byte(&range["end"])
+}
+
+/// A text after the edits of the server.
+fn edited(text: &str, edits: &Value) -> String {
+    let mut text = text.to_owned();
+    let mut edits = edits.as_array().expect("edits").clone();
+    edits.sort_by_key(|edit| std::cmp::Reverse(bytes(&text, &edit["range"]).start));
+    for edit in &edits {
+        let range = bytes(&text, &edit["range"]);
+        text.replace_range(range, edit["newText"].as_str().expect("a text"));
+    }
+    text
 }
 
 #[test]
@@ -268,6 +334,8 @@ fn answers_do_not_wait_for_an_assembly() {
     assert!(editor.messages(&uri).is_empty());
     let long = chain(400);
     let slow = editor.open("chain.eng", &long);
+    // names and types do not wait for the assembly
+    assert!(editor.messages(&slow).is_empty());
     std::thread::sleep(Duration::from_millis(200));
     let hover = editor.at("textDocument/hover", &uri, SWING, "length: Length", 2);
     assert!(!hover.is_null());
@@ -408,19 +476,90 @@ fn words_come_next() {
         &["ConstantSpeed"],
     );
 
-    // the units of the due dimension come first
-    let text = SWING.replace("400 mm in", "400 ");
-    editor.change(&uri, &text);
-    let found = editor.at("textDocument/completion", &uri, &text, "400 ", 4);
-    let order = |label: &str| {
-        let items = found["items"].as_array().expect("a list");
-        let item = items
-            .iter()
-            .find(|item| item["label"] == label)
-            .expect("a unit");
-        item["sortText"].as_str().expect("an order").to_owned()
+    // the units of the due dimension come first: of a line, of an argument
+    for (line, mark) in [
+        (SWING.replace("400 mm in", "400 "), "400 "),
+        (SWING.replace("Swing(),", "Swing(length: 3 ,"), "length: 3 "),
+        (SWING.replace("Swing(),", "Swing(3 ,"), "Swing(3 "),
+    ] {
+        editor.change(&uri, &line);
+        let found = editor.at("textDocument/completion", &uri, &line, mark, mark.len());
+        let order = |label: &str| {
+            let items = found["items"].as_array().expect("a list");
+            let item = items
+                .iter()
+                .find(|item| item["label"] == label)
+                .expect("a unit");
+            item["sortText"].as_str().expect("an order").to_owned()
+        };
+        assert!(order("mm") < order("kN"), "{mark}");
+    }
+    editor.end();
+}
+
+/// The names after a dot are those that can be read there, and no others.
+#[test]
+fn members_are_those_that_can_be_read() {
+    let mut editor = Editor::start("members");
+    let uri = editor.open("swing.eng", SWING);
+    editor.messages(&uri);
+    editor.settled(&uri, SWING, "length: Length");
+    let report = "report numbers {\n    value here = ";
+    let typed = |editor: &mut Editor, mark: &str| {
+        let text = match mark.starts_with("swing") {
+            true => format!("{SWING}{report}{mark}\n}}\n"),
+            false => SWING.replace(
+                "    start pin",
+                &format!("    let it = {mark}\n    start pin"),
+            ),
+        };
+        editor.change(&uri, &text);
+        let line = format!("= {mark}");
+        let mut labels = editor.labels(&uri, &text, &line);
+        labels.sort();
+        labels
     };
-    assert!(order("mm") < order("kN"));
+    let marker = [
+        "acceleration",
+        "angular_acceleration",
+        "angular_velocity",
+        "origin",
+        "velocity",
+        "x",
+        "y",
+        "z",
+    ];
+    let cases: [(&str, &[&str]); 14] = [
+        ("pin.", &["a", "angle", "b", "force", "speed", "torque"]),
+        ("pin.force.", &["x", "y", "z"]),
+        ("pin.angle.", &[]),
+        ("pin.a.", &marker),
+        ("pin.a.origin.", &[]),
+        ("bob.", &["mass", "origin", "top"]),
+        ("bob.origin.", &marker),
+        ("bob.mass.", &[]),
+        ("ground.", &marker),
+        ("ground.origin.", &[]),
+        ("Swing.", &[]),
+        ("swing.pin.", &["angle", "force", "speed", "torque"]),
+        ("swing.pin.torque.", &["x", "y", "z"]),
+        ("swing.bob.", &[]),
+    ];
+    for (mark, names) in cases {
+        assert_eq!(typed(&mut editor, mark), names, "{mark}");
+    }
+    let all = typed(&mut editor, "swing.");
+    for (name, there) in [
+        ("time", true),
+        ("height", true),
+        ("pin", true),
+        ("energy", true),
+        ("length", false),
+        ("pivot", false),
+        ("bob", false),
+    ] {
+        assert_eq!(all.contains(&name.to_owned()), there, "{name} in {all:?}");
+    }
     editor.end();
 }
 
@@ -477,6 +616,11 @@ fn wrong_requests_and_half_texts_do_not_end_the_server() {
             "documentSymbol",
             "formatting",
             "codeAction",
+            "references",
+            "rangeFormatting",
+            "codeLens",
+            "inlayHint",
+            "semanticTokens/full",
         ] {
             let response = editor.response(&format!("textDocument/{method}"), &params);
             assert!(response["error"].is_null(), "{response}");
@@ -510,6 +654,11 @@ fn wrong_requests_and_half_texts_do_not_end_the_server() {
             "documentSymbol",
             "formatting",
             "codeAction",
+            "references",
+            "rangeFormatting",
+            "codeLens",
+            "inlayHint",
+            "semanticTokens/full",
         ] {
             editor.ask(&format!("textDocument/{method}"), &params);
         }
@@ -532,4 +681,323 @@ fn wrong_requests_and_half_texts_do_not_end_the_server() {
     editor.tell("textDocument/didOpen", &json!({ "textDocument": document }));
     assert!(!editor.messages("untitled:Untitled-1").is_empty());
     editor.end();
+}
+
+/// Typing of a line letter by letter: each text has its messages, and none has more than a check of its names and one of
+/// its models give.
+#[test]
+fn a_session_of_edits_ends_with_the_messages_of_its_text() {
+    let mut editor = Editor::start("session");
+    let uri = editor.open("swing.eng", SWING);
+    assert!(editor.messages(&uri).is_empty());
+    let mut text = SWING.to_owned();
+    let line = "    output turns = pin.speed as rpm\n";
+    let mut at = of(&text, "    start pin");
+    for letter in line.chars() {
+        let here = place(&text, at);
+        let range = json!({ "start": here, "end": here });
+        let change = json!([{ "range": range, "text": letter.to_string() }]);
+        editor.change_by(&uri, &change);
+        text.insert(at, letter);
+        at += 1;
+    }
+    let mut counts = std::collections::BTreeMap::new();
+    let last = loop {
+        let (version, list) = editor.versioned(&uri);
+        *counts.entry(version).or_insert(0) += 1;
+        if version == editor.version {
+            break list;
+        }
+    };
+    assert_eq!(last, Vec::<Value>::new());
+    assert!(counts.values().all(|count| *count <= 2), "{counts:?}");
+    // two changes in one message, the second in the text after the first
+    let end = place(&text, text.len());
+    let start = place("", 0);
+    editor.change_by(
+        &uri,
+        &json!([
+            { "range": { "start": end, "end": end }, "text": "const  spare=1\n" },
+            { "range": { "start": start, "end": start }, "text": "\n" },
+        ]),
+    );
+    let formed = editor.whole("formatting", &uri);
+    assert_eq!(formed[0]["newText"], format!("{text}const spare = 1\n"));
+    editor.end();
+}
+
+/// An error of the models comes after the pause, and only a change of the list is told.
+#[test]
+fn models_are_checked_after_a_pause() {
+    let mut editor = Editor::start("pause");
+    let uri = editor.open("swing.eng", SWING);
+    assert!(editor.messages(&uri).is_empty());
+    let missing = SWING.replace(
+        "    start pin",
+        "    table lift(t: Angle) -> Length = csv(\"missing.csv\", columns: [\"t [deg]\", \"h [mm]\"])
+    output rise = lift(pin.angle) as mm
+    start pin",
+    );
+    editor.change(&uri, &missing);
+    assert_eq!(editor.versioned(&uri), (2, Vec::new()));
+    let (version, list) = editor.versioned(&uri);
+    assert_eq!((version, list.is_empty()), (2, false));
+    editor.end();
+}
+
+#[test]
+fn uses_and_new_names_go_through_all_texts() {
+    let mut editor = Editor::start("uses");
+    let part = "/// Two.\nfn twice(x: Length) -> Length = 2*x\n";
+    let used = SWING
+        .replace("use std", "use lengths.twice\nuse std")
+        .replace("= 400 mm in (10 mm, 2 m)", "= twice(x: 200 mm)")
+        .replace("Swing()", "Swing(length: twice(100 mm))");
+    let part_uri = editor.open("lengths.eng", part);
+    let uri = editor.open("swing.eng", &used);
+    assert!(editor.messages(&uri).is_empty());
+    // a file that no editor has opened
+    let other = "use lengths.twice\nconst twin = twice(x: 1 mm)\n";
+    std::fs::write(editor.folder.join("other.eng"), other).expect("a file");
+    let texts = [
+        (part_uri.clone(), part),
+        (uri.clone(), used.as_str()),
+        (editor.uri("other.eng"), other),
+    ];
+
+    let found = editor.at("textDocument/references", &uri, &used, "twice(x", 1);
+    let mut counts = [0; 3];
+    for location in found.as_array().expect("a list") {
+        let (number, (_, text)) = texts
+            .iter()
+            .enumerate()
+            .find(|(_, (uri, _))| location["uri"] == uri.as_str())
+            .expect("a known text");
+        assert_eq!(&text[bytes(text, &location["range"])], "twice");
+        counts[number] += 1;
+    }
+    assert_eq!(counts, [1, 3, 2]);
+
+    let mut renamed = |mark: &str, after: usize, name: &str| {
+        let position = place(&used, of(&used, mark) + after);
+        let params =
+            json!({ "textDocument": { "uri": uri }, "position": position, "newName": name });
+        editor.response("textDocument/rename", &params)
+    };
+    // a function of another file, and its parameter, which arguments name
+    for (mark, after, expected) in [
+        ("twice(x", 1, ["double", "double", "double"]),
+        ("x: 200", 0, ["double: Length", "double: 200", "double: 1"]),
+    ] {
+        let response = renamed(mark, after, "double");
+        for ((uri, text), expected) in texts.iter().zip(expected) {
+            let edits = &response["result"]["changes"][uri.as_str()];
+            let after = edited(text, edits);
+            assert!(after.contains(expected), "{response}\n{after}");
+        }
+    }
+    // a parameter: its use, and the argument with its name
+    let response = renamed("length: Length", 1, "arm");
+    let changes = &response["result"]["changes"];
+    assert_eq!(
+        changes.as_object().map(|all| all.len()),
+        Some(1),
+        "{response}"
+    );
+    let after = edited(&used, &changes[&uri]);
+    let expected = used
+        .replace("param length:", "param arm:")
+        .replace("*length", "*arm")
+        .replace("Swing(length:", "Swing(arm:");
+    assert_eq!(after, expected);
+    let response = renamed("pin.angle", 1, "hinge");
+    let after = edited(&used, &response["result"]["changes"][&uri]);
+    let expected = used
+        .replace("joint pin", "joint hinge")
+        .replace("start pin", "start hinge");
+    assert_eq!(after, expected);
+    // a name of the library, a word, a name that is taken, no name
+    for (mark, after, name, reason) in [
+        ("Revolute(", 1, "Hinge", "std.joints"),
+        ("length: Length", 1, "model", "cannot be a name"),
+        ("length: Length", 1, "2nd", "cannot be a name"),
+        ("length: Length", 1, "bob", "another meaning"),
+        ("1.2 kg", 1, "mass", "no name"),
+    ] {
+        let response = renamed(mark, after, name);
+        let words = response["error"]["message"].as_str().expect("a refusal");
+        assert!(words.contains(reason), "{name}: {words}");
+    }
+    let prepared = editor.at("textDocument/prepareRename", &uri, &used, "*length", 2);
+    assert_eq!(prepared["placeholder"], "length");
+    // a text with mistakes could hide a use
+    editor.change(&part_uri, "fn twice(x: Length) -> Length = = 2*x\n");
+    let position = place(&used, of(&used, "twice(x") + 1);
+    let params =
+        json!({ "textDocument": { "uri": uri }, "position": position, "newName": "double" });
+    let refused = editor.response("textDocument/rename", &params);
+    assert!(refused["error"]["message"].is_string(), "{refused}");
+    editor.end();
+}
+
+#[test]
+fn names_have_colours_by_their_meaning() {
+    let mut editor = Editor::start("colours");
+    let uri = editor.open("swing.eng", SWING);
+    editor.messages(&uri);
+    let data = editor.whole("semanticTokens/full", &uri)["data"].clone();
+    let data: Vec<usize> = serde_json::from_value(data).expect("numbers");
+    let kinds = [
+        "namespace",
+        "type",
+        "class",
+        "interface",
+        "struct",
+        "enum",
+        "enumMember",
+        "function",
+        "parameter",
+        "variable",
+        "property",
+        "number",
+    ];
+    let lines: Vec<&str> = SWING.lines().collect();
+    let (mut line, mut column) = (0, 0);
+    let mut found = Vec::new();
+    for token in data.chunks(5) {
+        let [lines_on, columns_on, length, kind, marks] = token else {
+            panic!("five numbers");
+        };
+        line += lines_on;
+        column = match lines_on {
+            0 => column + columns_on,
+            _ => *columns_on,
+        };
+        let name = &lines[line][column..column + length];
+        found.push((line, name, kinds[*kind], *marks));
+    }
+    // bit 0: a definition; bit 1: of the library
+    for wanted in [
+        (0, "std", "namespace", 0),
+        (0, "Revolute", "class", 2),
+        (3, "Swing", "class", 1),
+        (5, "length", "parameter", 1),
+        (5, "Length", "type", 2),
+        (5, "mm", "number", 2),
+        (8, "bob", "variable", 1),
+        (11, "top", "variable", 1),
+        (11, "length", "parameter", 0),
+        (13, "pin", "variable", 1),
+        (13, "Revolute", "class", 2),
+        (13, "top", "variable", 0),
+        (14, "angle", "property", 2),
+        (15, "height", "property", 1),
+        (15, "dot", "function", 0),
+        (17, "swing", "variable", 1),
+        (17, "transient", "function", 0),
+        (17, "Swing", "class", 0),
+    ] {
+        assert!(found.contains(&wanted), "{wanted:?} in {found:?}");
+    }
+    editor.end();
+}
+
+#[test]
+fn types_and_runs_are_shown_beside_the_text() {
+    let mut editor = Editor::start("hints");
+    let text = SWING.replace(
+        "    joint pin",
+        "    let arm = 2*length\n    let weight = bob.mass*9.81 m/s^2\n    let turn = 3 deg\n    joint pin",
+    );
+    let uri = editor.open("swing.eng", &text);
+    editor.messages(&uri);
+    let hints = editor.whole("inlayHint", &uri);
+    let hints: Vec<(Value, &str)> = hints
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|hint| {
+            let label = hint["label"].as_str().expect("a label");
+            (hint["position"].clone(), label)
+        })
+        .collect();
+    let at = |mark: &str| place(&text, of(&text, mark) + mark.len());
+    assert_eq!(
+        hints,
+        [(at("let arm"), ": Length"), (at("let weight"), ": Force")]
+    );
+
+    let lenses = editor.whole("codeLens", &uri);
+    let [lens] = lenses.as_array().expect("a list").as_slice() else {
+        panic!("{lenses}");
+    };
+    assert_eq!(
+        lens["command"],
+        json!({ "title": "run", "command": "eng.run", "arguments": [uri, "swing"] })
+    );
+    assert_eq!(&text[bytes(&text, &lens["range"])], "swing");
+    editor.end();
+}
+
+#[test]
+fn the_items_of_a_range_get_their_form() {
+    let mut editor = Editor::start("range");
+    let messy = SWING
+        .replace("    body bob {", "  body   bob{")
+        .replace("    marker pivot", " marker  pivot")
+        .replace("        mass = ", "    mass=");
+    let uri = editor.open("swing.eng", &messy);
+    let mut formed = |mark: &str| {
+        let here = place(&messy, of(&messy, mark) + 1);
+        let params = json!({
+            "textDocument": { "uri": uri }, "options": {}, "range": { "start": here, "end": here },
+        });
+        let edits = editor.ask("textDocument/rangeFormatting", &params);
+        edited(&messy, &edits)
+    };
+    let pivot = messy.replace(" marker  pivot", "    marker pivot");
+    assert_eq!(formed("marker  pivot"), pivot);
+    let mass = messy.replace("    mass=", "        mass = ");
+    assert_eq!(formed("mass="), mass);
+    assert_eq!(formed("output height"), messy);
+    editor.end();
+}
+
+#[test]
+fn line_ends_of_windows_stay() {
+    let mut editor = Editor::start("returns");
+    let text = SWING.replace('\n', "\r\n");
+    let uri = editor.open("swing.eng", &text);
+    assert!(editor.messages(&uri).is_empty());
+    assert_eq!(editor.whole("formatting", &uri), json!([]));
+    let messy = text.replace("    body bob {", "  body   bob{");
+    editor.change(&uri, &messy);
+    let edits = editor.whole("formatting", &uri);
+    assert_eq!(edited(&messy, &edits), text);
+    editor.end();
+}
+
+/// A body that is no message gets an error, and the session goes on; a length that cannot be ends it in words.
+#[test]
+fn broken_messages_are_refused() {
+    let mut editor = Editor::start("broken");
+    for (body, code) in [("{ \"id\": ", -32700), ("{ \"id\": 7 }", -32600)] {
+        let input = editor.input.as_mut().expect("an open input");
+        write!(input, "Content-Length: {}\r\n\r\n{body}", body.len()).expect("it reads");
+        input.flush().expect("it reads");
+        let answer = editor.receive();
+        assert_eq!(answer["error"]["code"], code, "{answer}");
+        assert!(answer["id"].is_null());
+    }
+    let uri = editor.open("swing.eng", SWING);
+    assert!(editor.messages(&uri).is_empty());
+    let input = editor.input.as_mut().expect("an open input");
+    write!(input, "Content-Length: 99999999999999\r\n\r\n{{}}").expect("it reads");
+    drop(editor.input.take());
+    let status = editor.child.wait().expect("an end");
+    assert_eq!(status.code(), Some(2));
+    let mut words = String::new();
+    let errors = editor.child.stderr.as_mut().expect("an error output");
+    errors.read_to_string(&mut words).expect("words");
+    assert!(words.contains("the length 99999999999999"), "{words}");
 }

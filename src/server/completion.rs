@@ -1,11 +1,15 @@
 //! Words that may come next.
 
+use super::channels::next_names;
 use super::document::Document;
+use super::due::{begins_argument, dimension_at};
 use super::hover::{about, head};
-use super::index::{Found, Index, OF_MARKERS, What};
+use super::index::{Found, Index, OF_MARKERS, What, is_kind};
 use super::place::{call_around, is_quiet, names_before, path_at};
 use crate::Program;
-use eng_grammar::ast::{ItemKind, Kind};
+use eng_compiler::program::{DefinitionId, ValueType};
+use eng_compiler::typed::TypedProgram;
+use eng_grammar::ast::{BindingKind, Declaration, Form, ItemKind, Kind};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -21,10 +25,12 @@ mod kinds {
     pub const KEYWORD: u32 = 14;
 }
 
+/// The words that may come next at a place. `known` is the last program without errors, and the types of the last text
+/// that was checked.
 pub(super) fn completion(
     index: &Index<'_>,
     document: &Document,
-    program: Option<&Program>,
+    known: (Option<&Program>, Option<&TypedProgram>),
     place: usize,
 ) -> Value {
     let before = document.text.get(..place).unwrap_or("");
@@ -39,9 +45,9 @@ pub(super) fn completion(
     } else if let Some(path) = head.trim_start().strip_prefix("use ") {
         modules(index, path)
     } else if head.ends_with('.') && !head.ends_with("..") {
-        members(index, &document.text, place - word)
+        members(index, known, &document.text, place - word)
     } else if wants_unit(head, &line[line.len() - word..]) {
-        units(index, program, line)
+        units(index, known.1, &document.text, place)
     } else {
         words(index, &document.text, place)
     };
@@ -94,24 +100,191 @@ fn modules(index: &Index<'_>, written: &str) -> Vec<Value> {
         .collect()
 }
 
-/// The members of the path before a dot.
-fn members(index: &Index<'_>, text: &str, place: usize) -> Vec<Value> {
+/// The elements of a model, which have channels.
+const ELEMENTS: [Kind; 5] = [
+    Kind::Joint,
+    Kind::Force,
+    Kind::Journal,
+    Kind::Drive,
+    Kind::Part,
+];
+
+fn own(name: &str, about: &str) -> Value {
+    json!({ "label": name, "kind": kinds::PROPERTY, "detail": about, "sortText": "1" })
+}
+
+fn components(count: usize) -> Vec<Value> {
+    let names = ["x", "y", "z"].into_iter().take(count);
+    names.map(|name| own(name, "a component")).collect()
+}
+
+fn of_marker() -> impl Iterator<Item = Value> {
+    OF_MARKERS.iter().map(|(name, about)| own(name, about))
+}
+
+/// The names that can be read after the path before a dot.
+fn members(
+    index: &Index<'_>,
+    (program, typed): (Option<&Program>, Option<&TypedProgram>),
+    text: &str,
+    place: usize,
+) -> Vec<Value> {
     let names = names_before(text, place);
-    let Some(found) = index.resolve(&names, place) else {
+    let Some((last, base)) = names.split_last() else {
         return Vec::new();
     };
-    let mut items: Vec<Value> = index
-        .members(found)
-        .into_iter()
-        .map(|member| item(index, member, 0))
-        .collect();
-    let own = |name: &str, about: &str| json!({ "label": name, "kind": kinds::PROPERTY, "detail": about, "sortText": "1" });
+    let analysis = names.first().and_then(|first| {
+        let found = index.resolve(std::slice::from_ref(first), place);
+        found.filter(|found| is_kind(*found, &[Kind::Analysis]))
+    });
+    if analysis.is_some() {
+        return recorded(index, program, &names, place);
+    }
+    let Some(found) = index.resolve(&names, place) else {
+        let base = index.resolve(base, place);
+        return match (base, last.as_str()) {
+            (None, "cycle") if names.len() == 1 => vec![
+                own("angle", "the angle that counts turns"),
+                own("period", "the angle of one cycle"),
+            ],
+            (None, "ground") if names.len() == 1 => of_marker().collect(),
+            (Some(base), "force" | "torque") if index.has_reaction(base) => components(3),
+            (Some(base), "origin") if is_kind(base, &[Kind::Body, Kind::Flexible]) => {
+                of_marker().collect()
+            }
+            _ => Vec::new(),
+        };
+    };
+    if is_definition(found) {
+        return Vec::new();
+    }
+    let members = index.members(found).into_iter();
+    let mut items: Vec<Value> = members.map(|member| item(index, member, 0)).collect();
+    items.extend(built_in(index, found));
+    let output = matches!(found.item().map(|item| &item.kind),
+        Some(ItemKind::Binding(binding)) if binding.kind == BindingKind::Output);
+    match typed.and_then(|typed| type_of(index, typed, found)) {
+        // an output has the axes that its class states; other vectors have none
+        Some(ValueType::Vector(_)) if output => items.extend(components(3)),
+        Some(ValueType::Components(count, _)) if *count <= 3 => {
+            items.extend(components(*count as usize));
+        }
+        _ => {}
+    }
+    items
+}
+
+/// Whether a definition is a class or a model itself, which has nothing to read.
+fn is_definition(found: Found<'_>) -> bool {
+    let class = |declaration: &Declaration| matches!(declaration.form, Form::Class { .. });
+    let kinds = [
+        Kind::Model,
+        Kind::Component,
+        Kind::Interface,
+        Kind::Record,
+        Kind::Default,
+    ];
+    match found.item().map(|item| &item.kind) {
+        Some(ItemKind::Declaration(declaration)) => class(declaration) || is_kind(found, &kinds),
+        _ => false,
+    }
+}
+
+/// The names of the language that can be read after a definition.
+fn built_in(index: &Index<'_>, found: Found<'_>) -> Vec<Value> {
     if index.is_marker(found) {
-        items.extend(OF_MARKERS.iter().map(|(name, about)| own(name, about)));
-    } else if let Some(ItemKind::Declaration(declaration)) = found.item().map(|item| &item.kind)
-        && matches!(declaration.kind, Kind::Body | Kind::Flexible)
-    {
+        return of_marker().collect();
+    }
+    if index.has_reaction(found) {
+        return vec![
+            own("force", "force on the first marker"),
+            own("torque", "torque on the first marker"),
+        ];
+    }
+    let Some(ItemKind::Declaration(body)) = found.item().map(|item| &item.kind) else {
+        return Vec::new();
+    };
+    let states = |name: &str| {
+        let mut items = body.block().into_iter().flat_map(|block| &block.items);
+        items.any(|item| matches!(&item.kind, ItemKind::Attribute(one) if one.name.text == name))
+    };
+    let mut items = Vec::new();
+    if matches!(body.kind, Kind::Body | Kind::Flexible) {
         items.push(own("origin", "marker at the origin of the body"));
+    }
+    if body.kind == Kind::Body && states("mass") {
+        items.push(own("mass", "mass of the body"));
+    }
+    if body.kind == Kind::Flexible && states("support") {
+        items.push(own(
+            "support",
+            "the joint that holds the body on the ground",
+        ));
+    }
+    items
+}
+
+/// The type of a named value in the checked texts.
+fn type_of<'t>(
+    index: &Index<'_>,
+    typed: &'t TypedProgram,
+    found: Found<'_>,
+) -> Option<&'t ValueType> {
+    let place = found.name_span().start;
+    let module = index.module(found.module)?;
+    let mut around = module.file.items.iter();
+    let around = around.find(|item| item.span.start <= place && place < item.span.end)?;
+    let name = around.kind.name()?;
+    let modules = &typed.program.modules;
+    let number = match found.module == index.own() {
+        true => typed.program.root() as usize,
+        false => modules.iter().position(|other| other.path == module.path)?,
+    };
+    let mut items = modules.get(number)?.file.items.iter();
+    let same = |other: &eng_grammar::ast::Name| other.text == name.text;
+    let item = items.position(|item| item.kind.name().is_some_and(same))?;
+    let definition = DefinitionId {
+        module: number as u32,
+        item: item as u32,
+    };
+    let member = match name.span == found.name_span() {
+        true => "",
+        false => found.name().text.as_str(),
+    };
+    typed.of(definition, member)
+}
+
+/// The names that come next on the path of a recorded channel: those of the last program without errors, otherwise
+/// those of the text.
+fn recorded(
+    index: &Index<'_>,
+    program: Option<&Program>,
+    names: &[String],
+    place: usize,
+) -> Vec<Value> {
+    let Some((analysis, path)) = names.split_first() else {
+        return Vec::new();
+    };
+    if let Some(next) = program.and_then(|program| next_names(program, analysis, path)) {
+        let next = next.into_iter();
+        return next
+            .map(|(name, unit)| match unit {
+                Some(unit) => own(&name, &format!("recorded in {unit}")),
+                None => own(&name, "has channels"),
+            })
+            .collect();
+    }
+    let Some(found) = index.resolve(names, place) else {
+        return Vec::new();
+    };
+    let has_channels = |member: &Found<'_>| match member.item().map(|item| &item.kind) {
+        Some(ItemKind::Binding(binding)) => binding.kind == BindingKind::Output,
+        _ => is_kind(*member, &ELEMENTS),
+    };
+    let members = index.members(found).into_iter().filter(has_channels);
+    let mut items: Vec<Value> = members.map(|member| item(index, member, 0)).collect();
+    if index.has_reaction(found) {
+        items.extend(built_in(index, found));
     }
     items
 }
@@ -129,19 +302,16 @@ fn wants_unit(head: &str, word: &str) -> bool {
     blank && (number || last == "as" || stripped.ends_with(']'))
 }
 
-/// All units; those of the dimension that the line states come first.
-fn units(index: &Index<'_>, program: Option<&Program>, line: &str) -> Vec<Value> {
-    let due = line.split_once(':').and_then(|(_, rest)| {
-        let name = rest.split('=').next()?.trim();
-        let resolved = &program?.typed().program;
-        resolved.dimensions.get(name).map(|named| named.dimension)
-    });
+/// All units; those of the dimension that the argument or the line needs come first.
+fn units(index: &Index<'_>, typed: Option<&TypedProgram>, text: &str, place: usize) -> Vec<Value> {
+    let resolved = typed.map(|typed| &typed.program);
+    let due = resolved.and_then(|resolved| dimension_at(index, resolved, text, place));
     let mut items = Vec::new();
     for found in index.visible(index.own()) {
         let Some(ItemKind::Unit(unit)) = found.item().map(|item| &item.kind) else {
             continue;
         };
-        let known = program.and_then(|program| program.typed().program.units.get(&unit.name.text));
+        let known = resolved.and_then(|resolved| resolved.units.get(&unit.name.text));
         let fits = due.is_some() && known.map(|unit| unit.dimension) == due;
         items.push(item(index, found, if fits { 0 } else { 1 }));
     }
@@ -151,7 +321,7 @@ fn units(index: &Index<'_>, program: Option<&Program>, line: &str) -> Vec<Value>
 /// Parameters of the call around a place, names that the place sees, functions, words of the language.
 fn words(index: &Index<'_>, text: &str, place: usize) -> Vec<Value> {
     let mut items = Vec::new();
-    if let Some(callee) = call_around(text, place) {
+    if let Some(callee) = call_around(text, place).filter(|_| begins_argument(text, place)) {
         let class = index.resolve(&callee.names, callee.start);
         for parameter in class.into_iter().flat_map(|class| index.parameters(class)) {
             let mut argument = item(index, parameter, 0);

@@ -7,6 +7,8 @@ pub(super) struct Document {
     pub uri: String,
     /// Absent for a text that is no file.
     pub path: Option<PathBuf>,
+    /// The client's number of the text.
+    pub version: Option<i64>,
     pub text: String,
 }
 
@@ -15,7 +17,32 @@ impl Document {
         Document {
             uri: uri.to_owned(),
             path: path(uri),
+            version: None,
             text: text.to_owned(),
+        }
+    }
+
+    /// A file with another text than on disk.
+    pub fn of_file(path: &Path, text: String) -> Document {
+        Document {
+            uri: uri(path),
+            path: Some(path.to_owned()),
+            version: None,
+            text,
+        }
+    }
+
+    /// Makes a change of the client: of a range, or of the whole text if it states none.
+    pub fn change(&mut self, change: &Value) {
+        let Some(text) = change["text"].as_str() else {
+            return;
+        };
+        if change["range"].is_object() {
+            let start = self.byte(&change["range"]["start"]);
+            let end = self.byte(&change["range"]["end"]).max(start);
+            self.text.replace_range(start..end, text);
+        } else {
+            text.clone_into(&mut self.text);
         }
     }
 
@@ -137,6 +164,25 @@ mod tests {
         assert_eq!(document.byte(&json!({ "line": 0, "character": 99 })), 7);
         assert_eq!(document.byte(&json!({ "line": 9, "character": 0 })), 10);
         assert_eq!(document.byte(&json!({ "line": -1 })), 0);
+    }
+
+    #[test]
+    fn changes_follow_each_other() {
+        let mut document = Document::new("untitled:a", "\u{1d70b}b\r\nc\n");
+        let place = |line: u32, character: u32| json!({ "line": line, "character": character });
+        let mut change = |start: Value, end: Value, text: &str| {
+            let range = json!({ "start": start, "end": end });
+            document.change(&json!({ "range": range, "text": text }));
+            document.text.clone()
+        };
+        assert_eq!(change(place(0, 2), place(0, 3), "d"), "\u{1d70b}d\r\nc\n");
+        assert_eq!(change(place(0, 3), place(1, 1), ""), "\u{1d70b}d\n");
+        // beyond the text, and backwards
+        assert_eq!(change(place(7, 0), place(9, 9), "e"), "\u{1d70b}d\ne");
+        assert_eq!(change(place(1, 1), place(0, 0), "f"), "\u{1d70b}d\nef");
+        document.change(&json!({ "text": "g" }));
+        document.change(&json!({ "text": 3 }));
+        assert_eq!(document.text, "g");
     }
 
     #[test]

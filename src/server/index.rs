@@ -93,13 +93,23 @@ fn called(declaration: &Declaration) -> Option<&str> {
         return None;
     };
     if declaration.kind == Kind::Analysis {
-        let model = &arguments.first()?.value;
-        let ExprKind::Call { callee, .. } = &model.kind else {
-            return None;
-        };
-        return word(callee);
+        return self::callee(&arguments.first()?.value);
     }
     word(callee)
+}
+
+/// The name that a call calls.
+fn callee(value: &Expr) -> Option<&str> {
+    match &value.kind {
+        ExprKind::Call { callee, .. } => word(callee),
+        _ => None,
+    }
+}
+
+/// Whether a definition is a declaration of one of some kinds.
+pub(super) fn is_kind(found: Found<'_>, kinds: &[Kind]) -> bool {
+    let kind = found.item().map(|item| &item.kind);
+    matches!(kind, Some(ItemKind::Declaration(declaration)) if kinds.contains(&declaration.kind))
 }
 
 fn word(value: &Expr) -> Option<&str> {
@@ -168,6 +178,11 @@ impl<'l> Index<'l> {
 
     fn modules(&self) -> impl Iterator<Item = (usize, &Module)> {
         self.library.iter().chain(&self.own).enumerate()
+    }
+
+    /// Whether a module belongs to the library.
+    pub fn is_library(&self, number: usize) -> bool {
+        number < self.library.len()
     }
 
     /// The paths of all modules of the library.
@@ -291,6 +306,13 @@ impl<'l> Index<'l> {
 
     /// The definitions that a place of the document sees, the nearest first.
     pub fn in_scope(&self, place: usize) -> Vec<Found<'_>> {
+        let mut found = self.locals(place);
+        found.extend(self.visible(self.own()));
+        found
+    }
+
+    /// The definitions of the blocks around a place of the document, the nearest first.
+    pub fn locals(&self, place: usize) -> Vec<Found<'_>> {
         let number = self.own();
         let mut found = Vec::new();
         let items = self
@@ -307,6 +329,12 @@ impl<'l> Index<'l> {
                 ItemKind::Declaration(declaration) => {
                     let binders = of_index(&declaration.index);
                     found.extend(self.inside(number, declaration));
+                    // the block of a use sees the names of its class
+                    let at_use = matches!(declaration.form, Form::Instance { .. });
+                    let block = declaration.block();
+                    if at_use && block.is_some_and(|block| holds(block.span, place)) {
+                        found.extend(self.of_class(number, declaration));
+                    }
                     binders
                 }
                 ItemKind::Function(function) => of_function(function),
@@ -323,8 +351,28 @@ impl<'l> Index<'l> {
                 what,
             }));
         }
-        found.extend(self.visible(number));
         found
+    }
+
+    /// The class of a name that a module sees: a definition, or the one to which it gives some arguments.
+    fn class(&self, number: usize, name: &str) -> Option<(usize, &Declaration)> {
+        let mut at = self.look_up(number, name)?;
+        for _ in 0..DEEPEST {
+            let ItemKind::Declaration(declaration) = &at.item()?.kind else {
+                return None;
+            };
+            match called(declaration) {
+                Some(next) => at = self.look_up(at.module, next)?,
+                None => return Some((at.module, declaration)),
+            }
+        }
+        None
+    }
+
+    /// The definitions of the class that an instance uses; of an analysis, those of its model.
+    fn of_class<'i>(&'i self, number: usize, declaration: &Declaration) -> Vec<Found<'i>> {
+        let class = called(declaration).and_then(|name| self.class(number, name));
+        class.map_or_else(Vec::new, |(module, class)| self.inside(module, class))
     }
 
     /// The definitions inside of a declaration: its parameters, its block, and those of its interfaces.
@@ -369,33 +417,40 @@ impl<'l> Index<'l> {
 
     /// The definitions after the dot of a definition.
     pub fn members<'i>(&'i self, found: Found<'i>) -> Vec<Found<'i>> {
-        let class = |name: &str| match self.look_up(found.module, name) {
-            Some(Found {
-                module,
-                what: What::Item(item, _),
-            }) => match &item.kind {
-                ItemKind::Declaration(declaration) => self.inside(module, declaration),
-                _ => Vec::new(),
-            },
-            _ => Vec::new(),
+        let module = found.module;
+        let class = |name: &str| {
+            let class = self.class(module, name);
+            class.map_or_else(Vec::new, |(module, class)| self.inside(module, class))
         };
-        match found.what {
+        let mut members = match found.what {
             What::Parameter(parameter) => type_name(&parameter.ty).map(class).unwrap_or_default(),
             What::Name(_) => Vec::new(),
             What::Item(item, _) => match &item.kind {
                 ItemKind::Declaration(declaration) => match called(declaration) {
-                    Some(name) => class(name),
-                    None => self.inside(found.module, declaration),
+                    Some(_) => self.of_class(module, declaration),
+                    None => self.inside(module, declaration),
                 },
-                ItemKind::Binding(binding) => binding
-                    .ty
-                    .as_ref()
-                    .and_then(type_name)
-                    .map(class)
-                    .unwrap_or_default(),
+                ItemKind::Binding(binding) => {
+                    // `const oil = Oil(…)` has no type in its text
+                    let of_value = || binding.value.as_ref().and_then(callee);
+                    let name = binding.ty.as_ref().and_then(type_name).or_else(of_value);
+                    name.map(class).unwrap_or_default()
+                }
+                ItemKind::Choice(choice) => {
+                    let words = choice.words.iter().map(What::Name);
+                    words.map(|what| Found { module, what }).collect()
+                }
                 _ => Vec::new(),
             },
-        }
+        };
+        // the cycle of a model is read by the word `cycle`
+        members.retain(|member| !is_kind(*member, &[Kind::Cycle]));
+        members
+    }
+
+    /// Whether a definition has a reaction, `force` and `torque`: it is a joint or a drive.
+    pub fn has_reaction(&self, found: Found<'_>) -> bool {
+        is_kind(found, &[Kind::Joint, Kind::Drive])
     }
 
     /// Whether a definition is a marker, or a name for one.
@@ -415,6 +470,19 @@ impl<'l> Index<'l> {
 
     /// The parameters of a class, a model or a function.
     pub fn parameters<'i>(&'i self, found: Found<'i>) -> Vec<Found<'i>> {
+        let mut found = found;
+        // a function with some arguments of another one; a circle of them is a mistake
+        for _ in 0..DEEPEST {
+            let Some(ItemKind::Function(function)) = found.item().map(|item| &item.kind) else {
+                break;
+            };
+            let name = function.value.as_ref().and_then(callee);
+            let name = name.filter(|_| function.bound);
+            match name.and_then(|name| self.look_up(found.module, name)) {
+                Some(other) => found = other,
+                None => break,
+            }
+        }
         let What::Item(item, _) = found.what else {
             return Vec::new();
         };
@@ -429,10 +497,12 @@ impl<'l> Index<'l> {
                     .collect()
             }
             ItemKind::Declaration(declaration) => {
-                let mut inside = self.inside(found.module, declaration);
+                let bound = called(declaration).and_then(|name| self.class(found.module, name));
+                let (module, class) = bound.unwrap_or((found.module, declaration));
+                let mut inside = self.inside(module, class);
                 inside.retain(|one| match one.what {
                     What::Parameter(_) => true,
-                    What::Item(item, _) => is_parameter(item, declaration.kind),
+                    What::Item(item, _) => is_parameter(item, class.kind),
                     What::Name(_) => false,
                 });
                 inside

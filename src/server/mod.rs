@@ -1,40 +1,52 @@
 //! A language server: messages while typing, hover, definitions, completion, symbols, forms.
 //!
-//! It speaks the Language Server Protocol (3.17) with full texts and places in UTF-16. A text is checked when
-//! its author pauses, with the unsaved texts of all open files. When it is opened or saved, its models are
-//! assembled, too, as `eng check` does. Checks have threads of their own, so that answers do not wait for
-//! them; findings about an earlier text are dropped. Questions about a text that does not parse are answered
-//! from the parts that do. A panic in a check or an answer does not end the server. It becomes the message of
-//! an internal error.
+//! It speaks the Language Server Protocol (3.17) with changes of ranges and places in UTF-16. Syntax, names, units and
+//! types of a text are checked at every key, with the unsaved texts of all open files. Its models are checked when its
+//! author pauses. When it is opened or saved, they are assembled, too, as `eng check` does. Checks have threads of
+//! their own, so that answers do not wait for them. The newest text is checked; findings about an earlier one are
+//! dropped. Questions about a text that does not parse are answered from the parts that do. A panic in a check or an
+//! answer does not end the server. It becomes the message of an internal error.
 //!
 //! Requests and answers are plain JSON: the server uses some twenty of the thousand types of the protocol.
 
+mod channels;
 mod checks;
 mod completion;
 mod document;
+mod due;
+mod forms;
+mod hints;
 mod hover;
 mod index;
 mod messages;
+mod occurrences;
 mod place;
+mod references;
+mod requests;
 mod symbols;
+mod tokens;
+mod transport;
+
+pub use transport::{Transport, standard};
 
 use crate::Program;
 use crate::sources::Sources;
-use checks::{Checker, Found, Job};
+use checks::{Checker, Depth, Found, Job};
 use crossbeam_channel::{after, never, select};
 use document::Document;
-use index::{Index, Library};
-use lsp_server::{
-    Connection, ErrorCode, Message, Notification, ProtocolError, Request, RequestId, Response,
-};
+use eng_compiler::typed::TypedProgram;
+use index::Library;
+use lsp_server::{Connection, Message, Notification, ProtocolError};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A pause in typing after which a text is checked. A choice: shorter than a thought and longer than a key.
-const PAUSE: Duration = Duration::from_millis(200);
+/// A pause in typing after which the models of a text are checked. A choice: shorter than a thought and longer than
+/// a key.
+const PAUSE: Duration = Duration::from_millis(300);
 
 /// The folders that a server may use.
 #[derive(Clone, Debug, Default)]
@@ -61,7 +73,7 @@ pub enum ServerError {
 /// # Errors
 /// The client breaks the protocol of the start or of the end, the connection breaks, or there is no thread left.
 pub fn serve(connection: &Connection, folders: Folders) -> Result<(), ServerError> {
-    let (id, _) = connection.initialize_start()?;
+    let (id, client) = connection.initialize_start()?;
     let about = json!({
         "capabilities": capabilities(),
         "serverInfo": { "name": "eng", "version": env!("CARGO_PKG_VERSION") },
@@ -70,26 +82,45 @@ pub fn serve(connection: &Connection, folders: Folders) -> Result<(), ServerErro
     let mut server = Server {
         connection,
         folders,
+        roots: roots(&client),
         library: Library::read(),
         documents: BTreeMap::new(),
         editions: 0,
-        texts: Checker::start()?,
-        assemblies: Checker::start()?,
+        checkers: [
+            Checker::start(Depth::Texts)?,
+            Checker::start(Depth::Models)?,
+            Checker::start(Depth::Assembly)?,
+        ],
     };
     Ok(server.run()?)
 }
 
 fn capabilities() -> Value {
     json!({
-        // full texts
-        "textDocumentSync": { "openClose": true, "change": 1, "save": true },
+        // changes of ranges
+        "textDocumentSync": { "openClose": true, "change": 2, "save": true },
         "hoverProvider": true,
         "definitionProvider": true,
+        "referencesProvider": true,
+        "renameProvider": { "prepareProvider": true },
         "documentSymbolProvider": true,
         "documentFormattingProvider": true,
+        "documentRangeFormattingProvider": true,
         "codeActionProvider": { "codeActionKinds": ["quickfix"] },
+        "codeLensProvider": { "resolveProvider": false },
+        "inlayHintProvider": true,
+        "semanticTokensProvider": { "legend": tokens::legend(), "full": true },
         "completionProvider": { "triggerCharacters": [".", " ", "(", "{"] },
     })
+}
+
+/// The folders that the client has opened.
+fn roots(client: &Value) -> Vec<PathBuf> {
+    let folders = client["workspaceFolders"].as_array();
+    let folders = folders.into_iter().flatten().map(|folder| &folder["uri"]);
+    let uris = folders.chain([&client["rootUri"]]);
+    uris.filter_map(|uri| document::path(uri.as_str()?))
+        .collect()
 }
 
 /// A text with the findings about it.
@@ -97,12 +128,14 @@ struct Open {
     document: Document,
     /// The number of this text among all that came.
     edition: u64,
-    /// When it is to be checked, and whether its models are to be assembled.
-    due: Option<(Instant, bool)>,
-    /// The number of the text whose models were last assembled.
-    assembled: Option<u64>,
+    /// When it is to be checked, for each depth.
+    due: [Option<Instant>; Depth::ALL.len()],
+    /// The number of the text and the depth of the findings that were last shown, with their messages.
+    shown: Option<(u64, Depth, Vec<Value>)>,
     /// The last program without errors.
     program: Option<Program>,
+    /// Names, units and types of the last text that was checked.
+    typed: Option<Arc<TypedProgram>>,
     /// The changes that its messages propose: range, title, new text.
     fixes: Vec<messages::Change>,
 }
@@ -110,15 +143,25 @@ struct Open {
 struct Server<'c> {
     connection: &'c Connection,
     folders: Folders,
+    /// The folders that the client has opened.
+    roots: Vec<PathBuf>,
     library: Library,
     documents: BTreeMap<String, Open>,
     /// The number of texts that came.
     editions: u64,
-    /// Checks while typing.
-    texts: Checker,
-    /// Checks that assemble models, too: reading a mesh may take seconds, in which the user
-    /// continues to type.
-    assemblies: Checker,
+    /// One for each depth: reading a mesh or assembling a model may take seconds, in which the user continues to
+    /// type.
+    checkers: [Checker; Depth::ALL.len()],
+}
+
+/// What a server waits for.
+enum Event {
+    /// A message of the client; none at the end of the connection.
+    Message(Option<Message>),
+    /// A check is due.
+    Due,
+    /// The findings of a check; none if its thread has ended.
+    Found(Depth, Option<Found>),
 }
 
 /// The result of a piece of work, or the words of its panic.
@@ -134,44 +177,52 @@ fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
 impl Server<'_> {
     fn run(&mut self) -> Result<(), ProtocolError> {
         loop {
-            let timer = match self.next_due() {
-                Some(at) => after(at.saturating_duration_since(Instant::now())),
+            let timer = match self.first_due() {
+                Some((at, ..)) => after(at.saturating_duration_since(Instant::now())),
                 None => never(),
             };
-            let message = select! {
-                recv(self.connection.receiver) -> message => match message {
-                    Ok(message) => message,
-                    Err(_) => return Ok(()),
-                },
-                recv(self.texts.found) -> found => {
-                    self.texts.busy = false;
-                    self.show(found.ok());
-                    continue;
-                }
-                recv(self.assemblies.found) -> found => {
-                    self.assemblies.busy = false;
-                    self.show(found.ok());
-                    continue;
-                }
-                recv(timer) -> _ => {
-                    self.check_due();
-                    continue;
-                }
+            let [texts, models, assemblies] = &self.checkers;
+            let event = select! {
+                recv(self.connection.receiver) -> message => Event::Message(message.ok()),
+                recv(timer) -> _ => Event::Due,
+                recv(texts.found) -> found => Event::Found(Depth::Texts, found.ok()),
+                recv(models.found) -> found => Event::Found(Depth::Models, found.ok()),
+                recv(assemblies.found) -> found => Event::Found(Depth::Assembly, found.ok()),
             };
-            match message {
-                Message::Request(request) => {
-                    if self.connection.handle_shutdown(&request)? {
+            match event {
+                Event::Message(None) => return Ok(()),
+                Event::Message(Some(message)) => {
+                    if !self.goes_on(message)? {
                         return Ok(());
                     }
-                    self.answer(request);
                 }
-                Message::Notification(notification) if notification.method == "exit" => {
-                    return Ok(());
+                Event::Due => self.check_due(),
+                Event::Found(depth, found) => {
+                    self.checkers[depth as usize].busy = false;
+                    if let Some(found) = found {
+                        self.show(found);
+                    }
                 }
-                Message::Notification(notification) => self.notified(&notification),
-                Message::Response(_) => {}
             }
         }
+    }
+
+    /// Handles a message. Returns whether further ones may come.
+    fn goes_on(&mut self, message: Message) -> Result<bool, ProtocolError> {
+        match message {
+            Message::Request(request) => {
+                if self.connection.handle_shutdown(&request)? {
+                    return Ok(false);
+                }
+                self.answer(request);
+            }
+            Message::Notification(notification) if notification.method == "exit" => {
+                return Ok(false);
+            }
+            Message::Notification(notification) => self.notified(&notification),
+            Message::Response(_) => {}
+        }
+        Ok(true)
     }
 
     fn send(&self, message: impl Into<Message>) {
@@ -187,121 +238,141 @@ impl Server<'_> {
         match notification.method.as_str() {
             "textDocument/didOpen" => {
                 if let Some(text) = at["text"].as_str() {
-                    self.change(uri, text, true);
+                    let mut document = Document::new(uri, text);
+                    document.version = at["version"].as_i64();
+                    self.opened(document);
                 }
             }
             "textDocument/didChange" => {
-                let changes = notification.params["contentChanges"].as_array();
-                // each is a full text; the last one counts
-                if let Some(text) = changes.and_then(|all| all.last()?["text"].as_str()) {
-                    self.change(uri, text, false);
+                if let Some(changes) = notification.params["contentChanges"].as_array() {
+                    self.changed(uri, at["version"].as_i64(), changes);
                 }
             }
             "textDocument/didSave" => {
                 // a change of this file may mend or break the files that use it
                 let now = Instant::now();
                 for open in self.documents.values_mut() {
-                    open.due = Some((now, true));
+                    open.due[Depth::Models as usize] = None;
+                    open.due[Depth::Assembly as usize] = Some(now);
                 }
             }
             "textDocument/didClose" if self.documents.remove(uri).is_some() => {
-                self.publish(uri, &[]);
+                self.publish(uri, None, &[]);
             }
             _ => {}
         }
     }
 
-    fn change(&mut self, uri: &str, text: &str, whole: bool) {
-        let document = Document::new(uri, text);
+    fn opened(&mut self, document: Document) {
         self.editions += 1;
-        let edition = self.editions;
-        let wait = if whole { Duration::ZERO } else { PAUSE };
-        let due = Some((Instant::now() + wait, whole));
-        match self.documents.get_mut(uri) {
-            Some(open) => {
-                open.document = document;
-                open.edition = edition;
-                open.due = due;
-                // its ranges belong to the earlier text
-                open.fixes.clear();
-            }
-            None => {
-                let open = Open {
-                    document,
-                    edition,
-                    due,
-                    assembled: None,
-                    program: None,
-                    fixes: Vec::new(),
-                };
-                self.documents.insert(uri.to_owned(), open);
-            }
-        }
+        let now = Some(Instant::now());
+        let uri = document.uri.clone();
+        let open = Open {
+            document,
+            edition: self.editions,
+            due: [now, None, now],
+            shown: None,
+            program: None,
+            typed: None,
+            fixes: Vec::new(),
+        };
+        self.documents.insert(uri, open);
     }
 
-    /// The text that is due first among those whose checker has nothing to do: its time, and its name.
-    fn first_due(&self) -> Option<(Instant, &str)> {
-        let due = self.documents.iter().filter_map(|(uri, open)| {
-            let (at, whole) = open.due?;
-            let checker = if whole { &self.assemblies } else { &self.texts };
-            (!checker.busy).then_some((at, uri.as_str()))
+    fn changed(&mut self, uri: &str, version: Option<i64>, changes: &[Value]) {
+        let Some(open) = self.documents.get_mut(uri) else {
+            return;
+        };
+        self.editions += 1;
+        changes
+            .iter()
+            .for_each(|change| open.document.change(change));
+        open.document.version = version;
+        open.edition = self.editions;
+        let now = Instant::now();
+        open.due = [Some(now), Some(now + PAUSE), None];
+        // its ranges belong to the earlier text
+        open.fixes.clear();
+    }
+
+    /// The check that is due first among those whose checker has nothing to do: its time, its depth, and the name of
+    /// the text.
+    fn first_due(&self) -> Option<(Instant, Depth, &str)> {
+        let due = self.documents.iter().flat_map(|(uri, open)| {
+            Depth::ALL.into_iter().filter_map(move |depth| {
+                let at = open.due[depth as usize]?;
+                (!self.checkers[depth as usize].busy).then_some((at, depth, uri.as_str()))
+            })
         });
         due.min()
     }
 
-    fn next_due(&self) -> Option<Instant> {
-        self.first_due().map(|(at, _)| at)
-    }
-
     /// Gives the text that has waited longest to its checker.
     fn check_due(&mut self) {
-        let Some(uri) = self.first_due().map(|(_, uri)| uri.to_owned()) else {
+        let Some((at, depth, uri)) = self.first_due() else {
             return;
         };
-        let Some(open) = self.documents.get(&uri) else {
+        let uri = uri.to_owned();
+        let Some(open) = self.documents.get(&uri).filter(|_| at <= Instant::now()) else {
             return;
         };
         let (sources, name) = self.sources(&open.document);
         let job = Job {
             edition: open.edition,
-            whole: open.due.is_some_and(|(_, whole)| whole),
             uri: uri.clone(),
             sources,
             name,
         };
-        let checker = match job.whole {
-            true => &mut self.assemblies,
-            false => &mut self.texts,
-        };
-        checker.make(job);
+        self.checkers[depth as usize].make(job);
         if let Some(open) = self.documents.get_mut(&uri) {
-            open.due = None;
+            open.due[depth as usize] = None;
         }
     }
 
-    /// Publishes the findings about a text, unless it has changed or was closed.
-    fn show(&mut self, found: Option<Found>) {
-        let Some(found) = found else {
-            return;
-        };
+    /// Publishes the findings about a text, unless it has changed or was closed, or a deeper check has shown them.
+    fn show(&mut self, found: Found) {
         let Some(open) = self.documents.get_mut(&found.uri) else {
             return;
         };
-        // the findings of an assembly are those of a check while typing, and more
-        let known = !found.whole && open.assembled == Some(found.edition);
-        if open.edition != found.edition || known {
+        if open.edition != found.edition {
             return;
         }
-        if found.whole {
-            open.assembled = Some(found.edition);
-        }
-        open.fixes = found.messages.changes;
+        open.typed = found.typed.or(open.typed.take());
         open.program = found.program.or(open.program.take());
-        self.publish(&found.uri, &found.messages.diagnostics);
+        if found.failed {
+            // it would find the same mistakes
+            open.due[Depth::Models as usize] = None;
+        }
+        let before = open.shown.take();
+        let before = before.filter(|(edition, ..)| *edition == found.edition);
+        if before
+            .as_ref()
+            .is_some_and(|(_, depth, _)| *depth > found.depth)
+        {
+            open.shown = before;
+            return;
+        }
+        let diagnostics = found.messages.diagnostics;
+        let again = before.is_some_and(|(_, _, shown)| shown == diagnostics);
+        open.fixes = found.messages.changes;
+        open.shown = Some((found.edition, found.depth, diagnostics.clone()));
+        let version = open.document.version;
+        if !again {
+            self.publish(&found.uri, version, &diagnostics);
+        }
     }
 
     /// The sources of a document, with all unsaved texts, and its name there.
     fn sources(&self, document: &Document) -> (Sources, String) {
+        self.sources_with(document, &BTreeMap::new())
+    }
+
+    /// The same with other texts of some files.
+    fn sources_with(
+        &self,
+        document: &Document,
+        changed: &BTreeMap<PathBuf, String>,
+    ) -> (Sources, String) {
         let memory = || {
             let name = "untitled.eng".to_owned();
             (
@@ -326,117 +397,22 @@ impl Server<'_> {
             let path = open.document.path.clone()?;
             Some((path, open.document.text.clone()))
         });
-        (sources.with_unsaved(unsaved), name)
+        let changed = changed
+            .iter()
+            .map(|(path, text)| (path.clone(), text.clone()));
+        (sources.with_unsaved(unsaved.chain(changed)), name)
     }
 
-    fn publish(&self, uri: &str, diagnostics: &[Value]) {
-        let parameters = json!({ "uri": uri, "diagnostics": diagnostics });
+    /// Sends the messages about a text, with the client's number of this text.
+    fn publish(&self, uri: &str, version: Option<i64>, diagnostics: &[Value]) {
+        let mut parameters = json!({ "uri": uri, "diagnostics": diagnostics });
+        if let Some(version) = version {
+            parameters["version"] = json!(version);
+        }
         self.send(Notification::new(
             "textDocument/publishDiagnostics".to_owned(),
             parameters,
         ));
-    }
-
-    fn answer(&self, request: Request) {
-        let Request { id, method, params } = request;
-        let answered = guarded(|| self.answered(&method, &params));
-        let response = match answered {
-            Ok(Some(value)) => Response::new_ok(id, value),
-            Ok(None) => refusal(
-                id,
-                ErrorCode::MethodNotFound,
-                format!("there is no {method}"),
-            ),
-            Err(words) => refusal(id, ErrorCode::InternalError, words),
-        };
-        self.send(response);
-    }
-
-    /// The answer to a request; null for an empty answer. `None` for a method that the server does not have.
-    fn answered(&self, method: &str, params: &Value) -> Option<Value> {
-        let known = [
-            "textDocument/hover",
-            "textDocument/definition",
-            "textDocument/completion",
-            "textDocument/documentSymbol",
-            "textDocument/formatting",
-            "textDocument/codeAction",
-        ];
-        if !known.contains(&method) {
-            return None;
-        }
-        let uri = params["textDocument"]["uri"].as_str().unwrap_or("");
-        let Some(open) = self.documents.get(uri) else {
-            return Some(Value::Null);
-        };
-        let document = &open.document;
-        let place = document.byte(&params["position"]);
-        let answer = match method {
-            "textDocument/documentSymbol" => symbols::symbols(document),
-            "textDocument/formatting" => formed(document),
-            "textDocument/codeAction" => messages::actions(&open.fixes, &params["range"], uri),
-            "textDocument/hover" => {
-                let index = self.index(document);
-                hover::hover(&index, document, open.program.as_ref(), place).unwrap_or(Value::Null)
-            }
-            "textDocument/definition" => self.definition(document, place).unwrap_or(Value::Null),
-            _ => completion::completion(
-                &self.index(document),
-                document,
-                open.program.as_ref(),
-                place,
-            ),
-        };
-        Some(answer)
-    }
-
-    /// The definitions that a document sees.
-    fn index(&self, document: &Document) -> Index<'_> {
-        let (sources, _) = self.sources(document);
-        Index::new(&self.library, document, &sources)
-    }
-
-    fn definition(&self, document: &Document, place: usize) -> Option<Value> {
-        let index = self.index(document);
-        let path = place::path_at(&document.text, place)?;
-        let found = index.resolve(&path.names, place)?;
-        let module = index.module(found.module)?;
-        let span = found.name_span();
-        let range = document::range(&module.text, span.start as usize, span.end as usize);
-        let uri = match (&module.file_name, &document.path) {
-            (None, _) if found.module == index.own() => document.uri.clone(),
-            (Some(name), Some(path)) => document::uri(&path.parent()?.join(name)),
-            _ => document::uri(&self.library_file(&module.path, &module.text)?),
-        };
-        Some(json!({ "uri": uri, "range": range }))
-    }
-
-    /// A file with a text of the library.
-    fn library_file(&self, path: &str, text: &str) -> Option<PathBuf> {
-        let folder = self.folders.library.as_ref()?;
-        let file = folder.join(format!("{}.eng", path.replace('.', "/")));
-        if std::fs::read_to_string(&file).ok().as_deref() != Some(text) {
-            crate::results::replace_file(&file, |file| {
-                std::io::Write::write_all(file, text.as_bytes())
-            })
-            .ok()?;
-        }
-        Some(file)
-    }
-}
-
-fn refusal(id: RequestId, code: ErrorCode, words: String) -> Response {
-    Response::new_err(id, code as i32, words)
-}
-
-/// The change that gives a text its form; none for a text with mistakes.
-fn formed(document: &Document) -> Value {
-    match eng_grammar::format(&document.text, eng_grammar::SourceId(0)) {
-        Ok(formed) if formed != document.text => {
-            let range = document::range(&document.text, 0, document.text.len());
-            json!([{ "range": range, "newText": formed }])
-        }
-        _ => json!([]),
     }
 }
 

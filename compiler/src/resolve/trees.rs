@@ -79,7 +79,14 @@ mod tests {
         };
         let text = "unit kN = 1e3 N\nconst a = 3 kN*depth\n";
         let wrong = "const a = = 3\n";
-        for (text, source) in [(text, 1), (text, 1), (text, 2), (wrong, 2), (wrong, 2), (text, 1)] {
+        for (text, source) in [
+            (text, 1),
+            (text, 1),
+            (text, 2),
+            (wrong, 2),
+            (wrong, 2),
+            (text, 1),
+        ] {
             assert_eq!(read(text, source), direct(text, source));
         }
     }

@@ -1,0 +1,73 @@
+//! The recorded channels of an analysis, which a report can read.
+
+use crate::Program;
+use crate::program::Bodies;
+use eng_compiler::elaborate::AnalysisPlan;
+use eng_system::analysis::Rows;
+use eng_system::recorded::{Recorded, of_kind, of_modes, recorded};
+use eng_system::system::System;
+
+/// The name of an analysis or a channel without its indices: `main.force.x` for `main[2].force.x`.
+pub(super) fn without_indices(path: &str) -> String {
+    let mut depth = 0usize;
+    let mut plain = String::with_capacity(path.len());
+    for letter in path.chars() {
+        match letter {
+            '[' => depth += 1,
+            ']' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => plain.push(letter),
+            _ => {}
+        }
+    }
+    plain
+}
+
+/// The next names after a path in the results of an analysis, in the order of its columns, each with the unit of the
+/// channel that ends with it; no unit for one with further names. `None` if the program has no such analysis.
+pub(super) fn next_names(
+    program: &Program,
+    analysis: &str,
+    path: &[String],
+) -> Option<Vec<(String, Option<String>)>> {
+    let mut analyses = program.analyses().into_iter();
+    let full = analyses.find(|full| without_indices(full) == analysis)?;
+    let plan = program.plan(full).ok()?;
+    let model = program
+        .compile(plan.model, &plan.constants, Bodies::Rigid)
+        .ok()?;
+    let mut names: Vec<(String, Option<String>)> = Vec::new();
+    for column in columns(&model.compiled().system, plan) {
+        let plain = without_indices(&column.path);
+        let mut parts = plain.split('.');
+        if !path.iter().all(|name| parts.next() == Some(name.as_str())) {
+            continue;
+        }
+        if let Some(name) = parts.next()
+            && names.iter().all(|(known, _)| known != name)
+        {
+            let ends = parts.next().is_none();
+            names.push((name.to_owned(), ends.then(|| column.display.symbol.clone())));
+        }
+    }
+    Some(names)
+}
+
+fn columns(system: &System, plan: &AnalysisPlan) -> Vec<Recorded> {
+    let kind = &plan.analysis.kind;
+    let own = of_kind(system, kind);
+    own.unwrap_or_else(|| match kind.rows() {
+        Rows::Modes => of_modes(system),
+        _ => recorded(system),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_indices;
+
+    #[test]
+    fn indices_are_left_out() {
+        assert_eq!(without_indices("a.main[2].force[1,2].x"), "a.main.force.x");
+        assert_eq!(without_indices("run[*"), "run");
+    }
+}
