@@ -8,6 +8,7 @@ use eng_runtime::linearised::{LinearModes, StateSpace, Wanted};
 use eng_runtime::{Energy, Options, Reading, RuntimeError, Statistics};
 use eng_system::code::Bound;
 use eng_system::system::{Method, Start, StepControl};
+use std::ops::ControlFlow;
 
 /// Parameters and options of a simulation before its start.
 #[derive(Clone, Debug)]
@@ -208,6 +209,22 @@ impl Simulation {
     pub fn may_advance(&self, to: f64) -> Result<(), Error> {
         let may = self.inner.may_advance(to);
         may.map_err(|cause| run_error(&self.model, cause))
+    }
+
+    /// [`Simulation::advance`] as long as `watch` allows, which gets the time (s) after each step but the last. After a `Break`
+    /// the simulation stays at the end of that step. To advance to the same time later gives the bits of one call.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::advance`].
+    pub fn advance_while(
+        &mut self,
+        to: f64,
+        watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<f64, Error> {
+        match self.inner.advance_while(to, watch) {
+            Ok(report) => Ok(report.time),
+            Err(cause) => Err(run_error(&self.model, cause)),
+        }
     }
 
     /// Sets an input (SI) from the present time on.

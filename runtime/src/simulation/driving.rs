@@ -5,6 +5,7 @@ use crate::control::StepSize;
 use crate::error::RuntimeError;
 use crate::inputs::Point;
 use eng_system::system::StepControl;
+use std::ops::ControlFlow;
 
 /// Distance of a point of time from the grid of fixed steps that is rounding, as a share of a step and of the
 /// time. Points are sums of a few products, so they are some last places off the grid; a billionth of a step
@@ -87,6 +88,19 @@ impl Simulation {
     /// A time that is not later than the present one; those of a step. After a failed step the simulation stays at
     /// the end of the last accepted one.
     pub fn advance(&mut self, to: f64) -> Result<StepReport, RuntimeError> {
+        self.advance_while(to, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`Simulation::advance`] as long as `watch` allows, which gets the time (s) after each step but the last. After a `Break`
+    /// the simulation stays at the end of that step. To advance to the same time later gives the bits of one call.
+    ///
+    /// # Errors
+    /// Those of [`Simulation::advance`].
+    pub fn advance_while(
+        &mut self,
+        to: f64,
+        watch: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<StepReport, RuntimeError> {
         self.may_advance(to)?;
         let begin = self.time();
         let on_grid = self.options.step.fixed().and_then(|nominal| {
@@ -111,6 +125,10 @@ impl Simulation {
             if self.stand_at_stop()? {
                 report = self.report_of_stop(report);
                 break;
+            }
+            // inputs have not arrived at the values of the next point
+            if self.time() < end && watch(self.time()).is_break() {
+                return Ok(report);
             }
         }
         self.dynamics.signals_mut().arrive();
