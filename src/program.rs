@@ -303,6 +303,15 @@ impl Program {
         self.inner.sources.opened().into_iter().collect()
     }
 
+    /// Names, relative to the folder, and contents of the files that it has opened so far. A program of these files is the
+    /// same program. To compile a model may open further files.
+    ///
+    /// # Errors
+    /// A file that the system cannot read any more.
+    pub fn contents(&self) -> Result<Vec<(String, Vec<u8>)>, HostError> {
+        self.inner.sources.contents()
+    }
+
     /// The files.
     pub(crate) fn sources(&self) -> &Sources {
         &self.inner.sources

@@ -239,9 +239,13 @@ impl Watch for Watching<'_> {
     }
 }
 
-/// Leaves out of a machine what results do not have: modes and responses have no orbits and no peaks, and of a film
-/// a prescribed motion has the force alone.
-fn leave_out(machine: &mut Machine, results: &Results, analysis: &Analysis) {
+/// The machine of an analysis for its results, without what they do not have: modes and responses have no orbits and no
+/// peaks, and of a film a prescribed motion has the force alone.
+///
+/// # Errors
+/// Parameters that the model refuses.
+pub fn machine_of(analysis: &Analysis, results: &Results) -> Result<Machine, Error> {
+    let mut machine = analysis.machine()?;
     let of_motion = !results.are_modes() && !results.are_responses();
     if !of_motion {
         machine.journals.clear();
@@ -249,6 +253,7 @@ fn leave_out(machine: &mut Machine, results: &Results, analysis: &Analysis) {
     if !of_motion || analysis.kind().is_prescribed() {
         machine.summaries.clear();
     }
+    Ok(machine)
 }
 
 fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Error> {
@@ -350,7 +355,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
             diagnostics.push(warning);
         }
     }
-    let mut machine = analysis.machine()?;
+    let machine = machine_of(analysis, &outcome.results)?;
     let mut clock = Clock::new();
     let errors = match outcome.results.is_state() {
         true => Vec::new(),
@@ -358,7 +363,6 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
     };
     let cells = clock.since();
     facts.extend(errors.iter().map(GridError::text));
-    leave_out(&mut machine, &outcome.results, analysis);
     Ok(RunOutcome {
         machine,
         diagnostics,
