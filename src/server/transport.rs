@@ -173,7 +173,7 @@ mod tests {
     fn a_body_that_is_no_message_gets_an_error() {
         for (text, code) in [("{ \"id\": 3", -32700), ("{ \"id\": 3 }", -32600)] {
             let error = serde_json::from_str::<Message>(text).expect_err("no message");
-            let mut output = Vec::new();
+            let mut output: Vec<u8> = Vec::new();
             refuse(&mut output, text.as_bytes(), &error).expect("written");
             let body = body(&mut output.as_slice()).expect("a body").expect("one");
             let answer: serde_json::Value = serde_json::from_slice(&body).expect("JSON");
