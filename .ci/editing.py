@@ -2,7 +2,7 @@
 
 ENG is the command. Its server gets EDITS changes (500 without a number) of MODEL, each after the messages about the one before. A
 change puts a letter into or takes one from a name, a number or a comment of a line, so about half of the texts have mistakes. The time
-of a change runs from its last byte to the messages with its number. A line has the median, the 95th percentile and the largest time,
+of a change runs from its sending to the messages with its number. A line has the median, the 95th percentile and the largest time,
 and the memory of the server after the first tenth of the changes and after the last one. The memory is read from /proc, so it is
 stated on Linux alone.
 """
