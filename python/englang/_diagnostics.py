@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -61,6 +60,9 @@ class Diagnostic:
 
 def parsed(messages: str) -> tuple[Diagnostic, ...]:
     """The messages of the JSON that `eng check --format json` prints."""
+    # most programs have no messages, and this import takes long
+    import json
+
     return tuple(_diagnostic(entry) for entry in json.loads(messages)["diagnostics"])
 
 

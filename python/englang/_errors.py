@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ._diagnostics import Diagnostic, parsed
 
 if TYPE_CHECKING:
-    from ._native import Run
+    from ._table import Run
 
 
 class Error(Exception):

@@ -21,6 +21,9 @@ def load(path: _Path) -> Program:
 def from_text(text: str, *, name: str = "model.eng", files: Mapping[str, str] | None = None) -> Program:
     """Checks a text. `files` are further texts that it uses: other models and data, by their names."""
 
+def si(text: str) -> float:
+    """The number in SI units of a quantity such as "250 mm"."""
+
 def cli(arguments: Sequence[str]) -> int:
     """Runs the command `eng` with arguments, of which the first is its name, and returns its exit code."""
 
@@ -43,6 +46,13 @@ class Program:
     @property
     def reports(self) -> list[str]:
         """The names of its reports, in the order of the text."""
+
+    @property
+    def source_hash(self) -> str:
+        """Hash of the texts, without reports."""
+
+    def contents(self) -> list[tuple[str, bytes]]:
+        """Names and contents of the files that it has opened, for a copy in another process."""
 
     @property
     def warnings(self) -> tuple[Diagnostic, ...]:
@@ -161,7 +171,7 @@ class Simulation:
         """One step of the integrator. Returns the time reached (s)."""
 
     def advance(self, to: float) -> float:
-        """Steps up to a time (s), which no step crosses. Returns the time reached."""
+        """Steps up to a time (s), which no step crosses. Returns the time reached. Ctrl-C ends it at a step."""
 
     def set_input(self, path: str, value: _Value) -> None:
         """Sets an input from the present time on."""
@@ -230,6 +240,9 @@ class Analysis:
         (0 to 1) and the time (s); its exception stops the run.
         """
 
+    def restored(self, packed: bytes) -> Run:
+        """A run of this analysis that another process has packed."""
+
 @final
 class Run:
     """The results of an analysis: a table with a column for each channel, in the units of the text.
@@ -294,8 +307,11 @@ class Run:
     def select(self, *patterns: str) -> Run:
         """The run with the columns of some patterns only, such as `"main[*].force.*"`; time and cycle stay."""
 
-    def report(self, name: str) -> Report:
-        """Evaluates a report of the text over this run alone; see `Program.report`."""
+    def report(self, name: str, *, by: str | None = None) -> Report:
+        """Evaluates a report of the text over this run alone, or the derivatives of its values by a parameter of `gradients`."""
+
+    def packed(self) -> bytes:
+        """All that this run has, as bytes for `Analysis.restored` of the same analysis in another process."""
 
     def write_parquet(self, folder: _Path) -> Path:
         """Writes `ANALYSIS.parquet` into a folder, as `eng run` does, and returns its path."""

@@ -2,6 +2,7 @@
 
 use crate::failure::{self, plain};
 use crate::model::{Model, Parameter, parameters, steps};
+use crate::packing::{self, RestoreError};
 use crate::quantities::{quantity, refused, settings};
 use crate::run::Run;
 use crate::watch::Watch;
@@ -16,7 +17,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// An analysis of the text with its compiled model. It does not change: `set` returns another one.
-#[pyclass(frozen, module = "englang")]
+#[pyclass(frozen, module = "englang._native")]
 pub struct Analysis {
     inner: eng::Analysis,
     program: eng::Program,
@@ -149,7 +150,7 @@ impl Analysis {
             let run = run.map(|run| Bound::new(py, run)).transpose()?;
             Ok(run.map(Bound::into_any))
         };
-        match (watch.raised, error, run) {
+        match (watch.raised(), error, run) {
             (Some(raised), ..) if !raised.is_instance_of::<PyKeyboardInterrupt>(py) => Err(raised),
             (Some(_), _, run) => Err(failure::interrupted(py, partial(run)?)),
             (None, None, Some(run)) => Ok(run),
@@ -157,6 +158,17 @@ impl Analysis {
             // a run without an error has an outcome
             (None, None, None) => Err(failure::setting(py, "the run has no results")),
         }
+    }
+
+    /// A run of this analysis that another process has packed.
+    fn restored(&self, py: Python<'_>, packed: &[u8]) -> PyResult<Run> {
+        let restored = py.detach(|| packing::restored(packed, &self.inner));
+        let (outcome, messages) = match restored {
+            Ok(restored) => restored,
+            Err(RestoreError::Model(error)) => return Err(plain(py)(*error)),
+            Err(error) => return Err(failure::setting(py, &error.to_string())),
+        };
+        Run::with_messages(py, outcome, self.program.clone(), messages)
     }
 
     fn __repr__(&self) -> String {

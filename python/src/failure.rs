@@ -1,15 +1,20 @@
 //! Errors of the library as exceptions of Python. Their classes are in `englang/_errors.py`.
 
 use eng::Error;
+use eng::results::ResultsError;
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
+use std::path::Path;
 
 const CLASSES: &str = "englang._errors";
 
 /// The exception for an error of the library. `partial` is the run up to the error.
 pub fn raised(py: Python<'_>, error: &Error, partial: Option<Bound<'_, PyAny>>) -> PyErr {
     let class = match error {
+        Error::Results(ResultsError::File { path, source }) => return of_system(path, source),
         Error::Report(_) => "ModelError",
         Error::Run { .. } => "RunError",
+        Error::Results(ResultsError::NoChannel { .. }) => "SettingError",
         Error::Code(_) | Error::Results(_) => "Error",
         _ => "SettingError",
     };
@@ -17,6 +22,19 @@ pub fn raised(py: Python<'_>, error: &Error, partial: Option<Bound<'_, PyAny>>) 
         .report()
         .map(|report| eng::render::json(report.diagnostics(), report.texts()));
     made(py, class, &error.to_string(), messages, partial)
+}
+
+/// An error of the system about a file, as the class of `OSError` that Python has for its number.
+fn of_system(path: &Path, source: &std::io::Error) -> PyErr {
+    match source.raw_os_error() {
+        Some(number) => {
+            // Python shows the number itself
+            let text = source.to_string();
+            let reason = text.split(" (os error").next().unwrap_or_default();
+            PyOSError::new_err((number, reason.to_owned(), path.display().to_string()))
+        }
+        None => PyOSError::new_err(format!("{}: {source}", path.display())),
+    }
 }
 
 /// [`raised`] without a run.

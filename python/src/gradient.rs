@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 
 /// The derivatives of the channels of a run by a parameter: a table with the samples of the run. Each number is
 /// in the channel's unit per the parameter's unit. Everything that reads Arrow takes it as it is.
-#[pyclass(frozen, mapping, module = "englang")]
+#[pyclass(frozen, mapping, module = "englang._native")]
 pub struct Gradient {
     inner: eng::Gradient,
     batch: OnceLock<RecordBatch>,

@@ -18,6 +18,7 @@ mod command;
 mod failure;
 mod gradient;
 mod model;
+mod packing;
 mod program;
 mod quantities;
 mod report;
@@ -41,6 +42,8 @@ mod _native {
     use crate::model::{Channel, Input, Model, Parameter};
     #[pymodule_export]
     use crate::program::{Program, from_text, load};
+    #[pymodule_export]
+    use crate::quantities::si;
     #[pymodule_export]
     use crate::report::{Condition, Report};
     #[pymodule_export]

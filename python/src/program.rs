@@ -8,12 +8,12 @@ use crate::run::Run;
 use eng::{Checked, Error, HostError, Sources};
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBytes, PyTuple};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A checked text: its models, analyses and reports.
-#[pyclass(frozen, module = "englang")]
+#[pyclass(frozen, module = "englang._native")]
 pub struct Program {
     inner: eng::Program,
     /// Warnings and notes of the check, as JSON.
@@ -83,6 +83,22 @@ impl Program {
         reports.map(|report| report.name.as_str()).collect()
     }
 
+    /// Hash of the texts, without reports.
+    #[getter]
+    fn source_hash(&self) -> String {
+        self.inner.source_hash()
+    }
+
+    /// Names and contents of the files that it has opened, for a copy in another process.
+    fn contents<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyBytes>)>> {
+        let contents = py.detach(|| self.inner.contents());
+        let contents = contents.map_err(|error| PyOSError::new_err(error.to_string()))?;
+        let shared = contents.into_iter();
+        Ok(shared
+            .map(|(name, bytes)| (name, PyBytes::new(py, &bytes)))
+            .collect())
+    }
+
     /// Warnings and notes of the check.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -106,7 +122,7 @@ impl Program {
     fn report(&self, py: Python<'_>, name: &str, runs: &Bound<'_, PyTuple>) -> PyResult<Report> {
         let runs: Vec<Py<Run>> = runs.extract()?;
         let sources: Vec<Source<'_>> = runs.iter().map(|run| run.get().source()).collect();
-        Report::evaluated(py, &self.inner, name, &sources)
+        Report::evaluated(py, &self.inner, name, None, &sources)
     }
 
     fn __repr__(&self) -> String {

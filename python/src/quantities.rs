@@ -37,6 +37,14 @@ pub fn quantity(name: &str, value: &Bound<'_, PyAny>, dimension: Dimension) -> P
     }
 }
 
+/// The number in SI units of a quantity such as "250 mm".
+#[pyfunction]
+pub fn si(py: Python<'_>, text: &str) -> PyResult<f64> {
+    let parsed = text.parse::<Quantity>();
+    let quantity = parsed.map_err(|error| failure::setting(py, &error.to_string()))?;
+    Ok(quantity.value())
+}
+
 /// The exception for an error about the value with a name.
 pub fn refused(py: Python<'_>, name: &str, error: &eng::Error) -> PyErr {
     match error.report() {

@@ -1,12 +1,13 @@
 //! Reports of a text over runs.
 
 use crate::failure;
-use eng::post::{EvaluatedReport, Outcome, evaluate};
+use eng::DisplayUnit;
+use eng::post::{EvaluatedReport, Outcome, by_parameter, evaluate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// A condition of a report: its message with the values, and whether it holds. A condition that only advises gives a warning.
-#[pyclass(frozen, get_all, module = "englang")]
+#[pyclass(frozen, get_all, module = "englang._native")]
 pub struct Condition {
     message: String,
     holds: bool,
@@ -24,7 +25,7 @@ impl Condition {
 }
 
 /// A report of the text, evaluated over runs.
-#[pyclass(frozen, module = "englang")]
+#[pyclass(frozen, module = "englang._native")]
 pub struct Report {
     inner: EvaluatedReport,
 }
@@ -37,11 +38,12 @@ pub struct Source<'r> {
 }
 
 impl Report {
-    /// Evaluates a report of a program.
+    /// Evaluates a report of a program, or the derivatives of its values by a parameter with a unit.
     pub fn evaluated(
         py: Python<'_>,
         program: &eng::Program,
         name: &str,
+        by: Option<(&str, &DisplayUnit)>,
         sources: &[Source<'_>],
     ) -> PyResult<Report> {
         let reports = program.reports();
@@ -57,7 +59,10 @@ impl Report {
             return Err(failure::setting(py, &message));
         }
         let runs: Vec<eng::post::Run<'_>> = sources.iter().map(|source| source.run).collect();
-        let inner = py.detach(|| evaluate(report, &runs));
+        let inner = py.detach(|| match by {
+            Some((parameter, unit)) => evaluate(&by_parameter(report, parameter, unit), &runs),
+            None => evaluate(report, &runs),
+        });
         Ok(Report { inner })
     }
 

@@ -3,36 +3,51 @@
 use crate::column::Column;
 use crate::failure;
 use crate::gradient::Gradient;
+use crate::packing;
 use crate::report::{Report, Source};
 use crate::table::{Table, refused};
 use arrow_array::RecordBatch;
 use eng::results::Selection;
 use eng::run::RunOutcome;
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyCapsule, PyDict, PyTuple};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// The results of an analysis: a table with a column for each channel, in the units of the text. Everything that reads Arrow
 /// takes it as it is: `polars.DataFrame(run)`, `pyarrow.table(run)`, `pandas.DataFrame.from_arrow(run)`.
-#[pyclass(frozen, mapping, module = "englang")]
+#[pyclass(frozen, mapping, module = "englang._native")]
 pub struct Run {
     outcome: RunOutcome,
     /// Tables of copies of its gradients, which reports read from the outcome.
     gradients: Vec<Py<Gradient>>,
     program: eng::Program,
+    /// Its warnings, as JSON.
+    messages: String,
     batch: OnceLock<RecordBatch>,
 }
 
 impl Run {
     /// The results of an analysis of a program.
     pub fn new(py: Python<'_>, outcome: RunOutcome, program: eng::Program) -> PyResult<Run> {
+        let messages = eng::render::json(&outcome.diagnostics, program.texts());
+        Run::with_messages(py, outcome, program, messages)
+    }
+
+    /// The results of an analysis of a program with its warnings as JSON.
+    pub fn with_messages(
+        py: Python<'_>,
+        outcome: RunOutcome,
+        program: eng::Program,
+        messages: String,
+    ) -> PyResult<Run> {
         let gradients = outcome.gradients.iter().cloned();
         let tables = gradients.map(|gradient| Py::new(py, Gradient::new(gradient)));
         Ok(Run {
             gradients: tables.collect::<PyResult<_>>()?,
             outcome,
             program,
+            messages,
             batch: OnceLock::new(),
         })
     }
@@ -107,8 +122,7 @@ impl Run {
     /// The warnings of the run.
     #[getter]
     fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (messages, texts) = (&self.outcome.diagnostics, self.program.texts());
-        failure::diagnostics(py, &eng::render::json(messages, texts))
+        failure::diagnostics(py, &self.messages)
     }
 
     /// The derivatives of the channels by the parameters of `gradients`, by the paths of these.
@@ -170,12 +184,34 @@ impl Run {
             gradients: gradients.collect::<PyResult<_>>()?,
             ..self.outcome.clone()
         };
-        Run::new(py, outcome, self.program.clone())
+        Run::with_messages(py, outcome, self.program.clone(), self.messages.clone())
     }
 
-    /// Evaluates a report of the text over this run alone; see `Program.report`.
-    fn report(&self, py: Python<'_>, name: &str) -> PyResult<Report> {
-        Report::evaluated(py, &self.program, name, &[self.source()])
+    /// Evaluates a report of the text over this run alone, or the derivatives of its values by a parameter of `gradients`.
+    #[pyo3(signature = (name, *, by=None))]
+    fn report(&self, py: Python<'_>, name: &str, by: Option<&str>) -> PyResult<Report> {
+        let by = match by {
+            None => None,
+            Some(path) => {
+                let mut gradients = self.outcome.gradients.iter();
+                let found = gradients.find(|gradient| gradient.parameter == path);
+                let missing = || {
+                    format!(
+                        "the run has no gradients by {path}: run it with gradients=[\"{path}\"]"
+                    )
+                };
+                let found = found.ok_or_else(|| failure::setting(py, &missing()))?;
+                Some((path, &found.unit))
+            }
+        };
+        Report::evaluated(py, &self.program, name, by, &[self.source()])
+    }
+
+    /// All that this run has, as bytes for `Analysis.restored` of the same analysis in another process.
+    fn packed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| packing::packed(&self.outcome, &self.messages));
+        let bytes = bytes.map_err(|error| failure::setting(py, &error.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
     }
 
     /// Writes `ANALYSIS.parquet` into a folder, as `eng run` does, and returns its path.

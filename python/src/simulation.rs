@@ -2,6 +2,7 @@
 
 use crate::failure::plain;
 use crate::quantities::{quantity, refused};
+use crate::watch::Signals;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
@@ -59,10 +60,16 @@ impl Simulation {
             .map_err(plain(py))
     }
 
-    /// Steps up to a time (s), which no step crosses. Returns the time reached.
+    /// Steps up to a time (s), which no step crosses. Returns the time reached. Ctrl-C ends it at a step.
     fn advance(&self, py: Python<'_>, to: f64) -> PyResult<f64> {
-        self.used(py, |simulation| simulation.advance(to))?
-            .map_err(plain(py))
+        let mut signals = Signals::new();
+        let reached = self.used(py, |simulation| {
+            simulation.advance_while(to, &mut |_| signals.look(|_| Ok(())))
+        })?;
+        match signals.raised {
+            Some(raised) => Err(raised),
+            None => reached.map_err(plain(py)),
+        }
     }
 
     /// Sets an input from the present time on.

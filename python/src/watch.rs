@@ -9,35 +9,30 @@ use std::time::{Duration, Instant};
 /// person.
 const BETWEEN: Duration = Duration::from_millis(50);
 
-/// A watch on a run outside of the interpreter's lock.
-pub struct Watch {
+/// A watch for the signals of Python, outside of the interpreter's lock.
+pub struct Signals {
     last: Instant,
-    told: Option<Py<PyAny>>,
-    /// The exception that ends the run.
+    /// The exception that ends the work.
     pub raised: Option<PyErr>,
 }
 
-impl Watch {
-    /// A watch that tells a function about the progress.
-    pub fn new(told: Option<Py<PyAny>>) -> Watch {
-        Watch {
+impl Signals {
+    /// A watch from now on.
+    pub fn new() -> Signals {
+        Signals {
             last: Instant::now(),
-            told,
             raised: None,
         }
     }
 
-    /// Looks for signals and tells the progress. An exception ends the run.
-    pub fn look(&mut self, now: &Progress) -> ControlFlow<()> {
+    /// Looks for signals if the last look was long ago, and calls a function then. An exception ends the work.
+    pub fn look(&mut self, then: impl FnOnce(Python<'_>) -> PyResult<()>) -> ControlFlow<()> {
         if self.last.elapsed() < BETWEEN {
             return ControlFlow::Continue(());
         }
         let looked = Python::attach(|py| {
             py.check_signals()?;
-            match &self.told {
-                Some(told) => told.call1(py, (now.fraction, now.time)).map(drop),
-                None => Ok(()),
-            }
+            then(py)
         });
         self.last = Instant::now();
         match looked {
@@ -47,5 +42,35 @@ impl Watch {
                 ControlFlow::Break(())
             }
         }
+    }
+}
+
+/// A watch on a run, which tells a function about its progress.
+pub struct Watch {
+    signals: Signals,
+    told: Option<Py<PyAny>>,
+}
+
+impl Watch {
+    /// A watch that tells a function about the progress.
+    pub fn new(told: Option<Py<PyAny>>) -> Watch {
+        Watch {
+            signals: Signals::new(),
+            told,
+        }
+    }
+
+    /// Looks for signals and tells the progress. An exception ends the run.
+    pub fn look(&mut self, now: &Progress) -> ControlFlow<()> {
+        let told = &self.told;
+        self.signals.look(|py| match told {
+            Some(told) => told.call1(py, (now.fraction, now.time)).map(drop),
+            None => Ok(()),
+        })
+    }
+
+    /// The exception that has ended the run.
+    pub fn raised(self) -> Option<PyErr> {
+        self.signals.raised
     }
 }

@@ -5,6 +5,7 @@ import pickle
 import signal
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -71,6 +72,41 @@ def test_values_of_other_types_are_refused(mass: eng.Program) -> None:
         mass.analysis("swing").run(step=-1.0)
 
 
+def test_wrong_arguments_are_refused(mass: eng.Program) -> None:
+    analysis = mass.analysis("swing")
+    with pytest.raises(TypeError, match="progress is a function of two numbers, not int"):
+        analysis.run(progress=3)  # type: ignore[arg-type]
+    # a run that is shorter than the time between two calls has the last one
+    with pytest.raises(ZeroDivisionError):
+        analysis.run(progress=lambda *_: 1 / 0)
+    with pytest.raises(TypeError, match="gradients are texts, not float"):
+        analysis.run(gradients=[1.0])  # type: ignore[list-item]
+    assert list(analysis.run(gradients="weight").gradients) == ["weight"]
+    assert analysis.run(channels="place").columns == ["time", "place"]
+    with pytest.raises(eng.SettingError, match="brak: there is no input brak"):
+        mass.model("Mass").simulation().set_input("brak", 1.0)
+
+
+def test_paths_may_be_bytes(tmp_path: Path) -> None:
+    file = tmp_path / "empty.eng"
+    file.write_text("model Empty { }", encoding="utf-8")
+    paths: list[str | bytes | Path] = [str(file), bytes(file), file]
+    for path in paths:
+        assert eng.load(path).models == ["Empty"]
+
+
+def test_refusals_of_the_system_are_errors_of_the_system(mass: eng.Program, tmp_path: Path) -> None:
+    run = mass.analysis("swing").run()
+    file = tmp_path / "file"
+    file.touch()
+    with pytest.raises(OSError, match="is a file, not a folder"):
+        run.write_parquet(file / "below")
+    with pytest.raises(OSError):
+        run.write_parquet(tmp_path / ("x" * 300))
+    with pytest.raises(eng.SettingError, match=r"no channel is called zz\*"):
+        run.select("zz*")
+
+
 def test_names_that_are_not_there_are_named(mass: eng.Program) -> None:
     with pytest.raises(eng.SettingError, match="no analysis swings; there are: swing"):
         mass.analysis("swings")
@@ -133,6 +169,23 @@ def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
     assert len(mass.analysis("swing").run()) == 501
 
 
+def test_ctrl_c_ends_an_advance_at_a_step(mass: eng.Program) -> None:
+    simulation = mass.model("Mass").simulation()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    began = time.monotonic()
+    threading.Timer(0.5, _thread.interrupt_main).start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            simulation.advance(1e12)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert time.monotonic() - began < 10
+    # it stands at the end of a step, and goes on from there
+    reached = simulation.time
+    assert 0 < reached < 1e12
+    assert simulation.advance(reached + 1e-3) == reached + 1e-3
+
+
 def test_the_progress_is_told_and_may_stop_the_run(mass: eng.Program) -> None:
     told: list[tuple[float, float]] = []
 
@@ -146,6 +199,10 @@ def test_the_progress_is_told_and_may_stop_the_run(mass: eng.Program) -> None:
     assert len(told) == 3
     assert 0 < told[0][0] < told[1][0] < told[2][0] < 1
     assert told[2][1] == pytest.approx(told[2][0] * 20000, rel=1e-6)
+    told.clear()
+    told_at_the_end = told.append
+    mass.analysis("swing").run(progress=lambda *now: told_at_the_end(now))
+    assert told[-1] == (1.0, 0.5)
 
 
 def test_other_threads_go_on_during_a_run(mass: eng.Program) -> None:

@@ -2,6 +2,7 @@
 
 import gc
 import math
+import sys
 from pathlib import Path
 
 import numpy
@@ -46,6 +47,37 @@ def test_polars_and_pandas_read_the_run(mass: eng.Program) -> None:
         assert numpy.array_equal(other[path].to_numpy(), run[path])
     again = pyarrow.table(frame.to_arrow())
     assert again["place"].to_pylist() == run["place"].tolist()
+
+
+def test_frames_are_one_call(mass: eng.Program, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = mass.analysis("swing").run(gradients="weight")
+    for table in (run, run.gradients["weight"]):
+        frame, other = table.to_pandas("place"), table.to_polars()
+        assert [path for path in frame.columns if not path.endswith(".gradient")] == ["time", "place"]
+        assert frame.attrs["units"]["place"] == table.units["place"]
+        assert other.columns == table.columns
+        for path in frame.columns:
+            assert numpy.array_equal(frame[path].to_numpy(), table[path])
+            assert numpy.array_equal(other[path].to_numpy(), table[path])
+    for name, method in (("pandas", run.to_pandas), ("polars", run.to_polars)):
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(ModuleNotFoundError, match=f"pip install {name}"):
+            method()
+
+
+def test_notebooks_show_tables_and_reports(mass: eng.Program) -> None:
+    run = mass.analysis("swing").run(gradients="weight")
+    html = run._repr_html_()
+    assert "501 samples" in html and "time<br>[s]" in html and "120" in html
+    assert html.count("<tr>") == 1 + 5 + 1
+    assert "Gradient of swing by weight" in run.gradients["weight"]._repr_html_()
+    report = run.report("extremes")
+    html = report._repr_html_()
+    assert "<h4>Extremes</h4>" in html and "widest" in html and "mm" in html
+    assert "⚠ far: 120 mm" in html and html.count("<svg") == 1
+    assert report.figures["places"]._repr_svg_() == report.figures["places"]
+    with pytest.raises(TypeError, match="not iterable"):
+        iter(run)  # type: ignore[call-overload]
 
 
 def test_columns_are_read_without_numpy(mass: eng.Program) -> None:
