@@ -3,6 +3,7 @@
 
 use crate::support::program;
 use eng::{Error, Model, Point, Quantity, Simulation};
+use std::ops::ControlFlow;
 
 const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 50.0;
@@ -307,6 +308,39 @@ fn a_linear_ramp_is_the_ramp_of_the_text() {
     }
     let driven = &results.column("load").expect("a channel").values;
     assert!((driven[20] - 4.0).abs() < 1e-12, "{driven:?}");
+}
+
+/// A watch ends an advance at a step, while an input goes towards its next value. To go on gives the bits of one call.
+#[test]
+fn an_interrupted_advance_goes_on_with_the_same_bits() {
+    for interpolation in ["hold", "linear", "cubic"] {
+        let model = model(interpolation);
+        let load = done(model.input("load"));
+        let [mut whole, mut parts] = [started(&model, 1e-3), started(&model, 1e-3)];
+        for simulation in [&mut whole, &mut parts] {
+            drive(simulation, load, interpolation, 0.0, 1.0);
+        }
+        done(whole.advance(1.0));
+        let mut calls = 0;
+        while parts.time() < 1.0 {
+            let mut left = 3;
+            let reached = done(parts.advance_while(1.0, &mut |_| {
+                left -= 1;
+                match left {
+                    0 => ControlFlow::Break(()),
+                    _ => ControlFlow::Continue(()),
+                }
+            }));
+            assert_eq!(reached, parts.time());
+            calls += 1;
+        }
+        assert!(calls > 3, "{calls}");
+        for path in ["x", "v", "a", "load"] {
+            let [one, other] = [&mut whole, &mut parts].map(|s| value(&model, s, path));
+            assert_eq!(one.to_bits(), other.to_bits(), "{interpolation}: {path}");
+        }
+        assert_eq!(whole.checkpoint(), parts.checkpoint(), "{interpolation}");
+    }
 }
 
 /// A force over time by a function: x = 3 N/(k − m Ω²) (sin Ωt − Ω/ω sin ωt).
