@@ -52,8 +52,6 @@ class Objective:
     ) -> None:
         import numpy
 
-        if "gradients" in options:
-            raise TypeError("gradients are by the parameters of `over`")
         found = _found(analysis, [over] if isinstance(over, str) else over)
         self.parameters = [parameter.path for parameter in found]
         self._found = found

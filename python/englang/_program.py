@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, SupportsFloat, SupportsIndex, TypeAlias
+from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex, TypeAlias
 
 from . import _native
 from ._errors import Interrupted, RunError, SettingError
@@ -14,6 +14,7 @@ from ._table import Run
 if TYPE_CHECKING:
     from concurrent.futures import Executor
     from os import PathLike
+    from typing import TypedDict, Unpack
 
     from ._diagnostics import Diagnostic
     from ._native import Model, Parameter
@@ -21,6 +22,20 @@ if TYPE_CHECKING:
     from ._study import Study
 
 Value: TypeAlias = str | SupportsFloat | SupportsIndex
+
+if TYPE_CHECKING:
+
+    class _Options(TypedDict, total=False):
+        """Arguments of `Analysis.run` that several runs may share."""
+
+        step: Value | None
+        tolerance: float | None
+        channels: str | Sequence[str] | None
+        threads: int
+        patient: bool
+
+    class _StudyOptions(_Options, total=False):
+        gradients: str | Sequence[str] | None
 
 
 def load(path: str | bytes | PathLike[str] | PathLike[bytes]) -> Program:
@@ -89,7 +104,7 @@ class Program:
         values: Callable[[Run], float | Mapping[str, float]] | None = None,
         reports: str | Iterable[str] | None = None,
         executor: Executor | None = None,
-        **options: Any,
+        **options: Unpack[_StudyOptions],
     ) -> Study:
         """Runs an analysis at many points, and returns one table with a row for each, in their order.
 
@@ -98,10 +113,12 @@ class Program:
         point has a row with the values of `reports`, which are all reports of the text if neither they nor `values`
         are named. `values` is a function of the run that gives a number, or several by their names. A point that
         fails has the message in its row. `executor` is any of `concurrent.futures`, such as a process pool or that
-        of Dask; threads are the default. Further arguments are those of `Analysis.run`.
+        of Dask; threads are the default. Further arguments are `step`, `tolerance`, `channels`, `threads`, `patient` and
+        `gradients` of `Analysis.run`.
         """
         from ._study import studied
 
+        _shared(options, {"gradients"})
         return studied(self.analysis(analysis), points, values, reports, executor, options)
 
     def objective(
@@ -113,17 +130,19 @@ class Program:
         gradient: bool = True,
         bounds: Mapping[str, tuple[Value, Value]] | None = None,
         maximise: bool = False,
-        **options: Any,
+        **options: Unpack[_Options],
     ) -> Objective:
         """A function of scaled parameters for optimisers such as `scipy.optimize.minimize`.
 
         `value` is a value of a report, such as `"bearings.moft"`, or a function of the run. `over` are paths of
         parameters; `*` stands for any characters. With `gradient` it gives the pair of value and gradient that
         `jac=True` expects; a function of the run then returns its value and its derivatives by the paths. `bounds`
-        take the place of limits in the text. Further arguments are those of `Analysis.run`.
+        take the place of limits in the text. Further arguments are `step`, `tolerance`, `channels`, `threads` and `patient`
+        of `Analysis.run`.
         """
         from ._objective import Objective
 
+        _shared(options, set())
         return Objective(self.analysis(analysis), value, over, gradient, bounds, maximise, options)
 
     def __repr__(self) -> str:
@@ -134,6 +153,14 @@ class Program:
             return (_of_texts, self._texts)
         files = tuple((name, bytes(content)) for name, content in self._native.contents())
         return (_of_files, (self.file, files, self._native.source_hash))
+
+
+def _shared(options: Mapping[str, object], more: set[str]) -> None:
+    """Refuses arguments that several runs cannot share, such as a folder."""
+    known = {"step", "tolerance", "channels", "threads", "patient"} | more
+    for name in options:
+        if name not in known:
+            raise TypeError(f"{name} is no argument for many runs: there are {', '.join(sorted(known))}")
 
 
 # programs that came from other processes; each is compiled once. A choice: few are in use at a time

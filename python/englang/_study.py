@@ -254,13 +254,10 @@ class _Stopped(Exception):
 def _in_threads(task: _Task, settings: Sequence[Mapping[str, Value]]) -> list[_Point]:
     """The results of threads, as many as this process may use processors."""
     stopped = threading.Event()
-    told = task.options.get("progress")
 
-    def progress(fraction: float, time: float) -> None:
+    def progress(_fraction: float, _time: float) -> None:
         if stopped.is_set():
             raise _Stopped
-        if told is not None:
-            told(fraction, time)
 
     watched = _Task(task.analysis, task.values, task.reports, {**task.options, "progress": progress})
     affinity = getattr(os, "sched_getaffinity", None)

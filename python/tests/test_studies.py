@@ -123,6 +123,8 @@ def test_mistakes_of_the_caller_are_errors(mass: eng.Program, processes: Executo
     for wrong in [3, "stiffness", ["stiffness"], {"stiffness": "1 N/mm"}]:
         with pytest.raises(TypeError, match="list"):
             mass.study("swing", wrong)
+    with pytest.raises(TypeError, match="folder is no argument for many runs: there are channels"):
+        mass.study("swing", points, folder="out")  # type: ignore[call-arg]
     # a function that no other process can have
     with pytest.raises((AttributeError, pickle.PicklingError)):
         mass.study("swing", points, values=lambda run: 1.0, executor=processes)
