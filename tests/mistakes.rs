@@ -290,6 +290,11 @@ fn right_models_are_quiet() {
         "examples/boxer_twin",
         "examples/single_balanced",
         "examples/mounts",
+        "examples/balancer",
+        "examples/big_end",
+        "examples/squeezer",
+        "examples/thrust",
+        "examples/timing",
     ] {
         let mut files: Vec<PathBuf> = std::fs::read_dir(root().join(folder))
             .expect("a folder")
@@ -308,4 +313,12 @@ fn right_models_are_quiet() {
             assert!(titles.is_empty(), "{}: {titles:?}", file.display());
         }
     }
+}
+
+/// The paper compares mode sets that leave loads out, and its engine raises no other message.
+#[test]
+fn the_papers_engine_warns_of_its_mode_sets_alone() {
+    let (all, _) = said(&root().join("examples/paper/paper.eng"));
+    let titles: Vec<&str> = all.iter().map(|d| d.title.as_str()).collect();
+    assert_eq!(titles, ["some loads of block have no static mode"; 3]);
 }

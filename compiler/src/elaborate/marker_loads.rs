@@ -17,9 +17,12 @@ use eng_system::lint;
 use eng_system::system::{BodyInertia, BodyRef, Element, Role};
 use std::sync::Arc;
 
-/// Random states at which an element is tried. A choice: a component that acts in half of all states, as that
+/// Random motions at which an element is tried. A choice: a component that acts in half of all motions, as that
 /// of a stop, is missed once in 4096 elements.
 const TRIALS: usize = 12;
+/// Random motions at which it is tried with one parameter switched on. A choice: such a parameter is a factor, so
+/// most motions show its load.
+const TRIALS_OF_ONE: usize = 4;
 /// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
 /// it. A choice: a much smaller share would count those, a larger one would overlook a real component.
 const COMPONENT_SHARE: f64 = 0.01;
@@ -64,6 +67,29 @@ pub fn transmitted(elaborated: &Elaborated, slots: &[f64], marker: u32) -> Trans
     found
 }
 
+/// The constants of the trials. A parameter of zero may switch a load off, and `--set` can switch it on, so each zero
+/// is also tried as one: all of them together, and each alone, because some switch a load off if they are not zero.
+fn settings(stated: &[f64]) -> Vec<Vec<f64>> {
+    let zeros: Vec<usize> = (0..stated.len()).filter(|i| stated[*i] == 0.0).collect();
+    let switched = |on: &[usize]| {
+        let mut constants = stated.to_vec();
+        for i in on {
+            constants[*i] = 1.0;
+        }
+        constants
+    };
+    let mut all = Vec::new();
+    for _ in 0..TRIALS / 2 {
+        all.extend([switched(&[]), switched(&zeros)]);
+    }
+    if zeros.len() > 1 {
+        for zero in zeros {
+            all.extend(std::iter::repeat_n(switched(&[zero]), TRIALS_OF_ONE));
+        }
+    }
+    all
+}
+
 /// The loads of one element, found at random states near those of an assembled engine: partners at one
 /// position with parallel z axes.
 fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) -> Transmitted {
@@ -79,7 +105,11 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
     let number = |slot: &eng_system::system::Slot| slots.get(slot.0 as usize).copied();
     let constants: Vec<f64> = element.constants.iter().filter_map(number).collect();
     let states: Vec<f64> = element.state_start.iter().filter_map(number).collect();
-    if constants.len() != layout.constants as usize || states.len() != layout.states as usize {
+    let scales: Vec<f64> = element.state_scale.iter().filter_map(number).collect();
+    let complete = constants.len() == layout.constants as usize
+        && states.len() == layout.states as usize
+        && scales.len() == states.len();
+    if !complete {
         return everything;
     }
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
@@ -100,18 +130,21 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
     let mut found = Transmitted::default();
     let mut greatest = [0.0f64; 6];
     let mut tries = 0;
-    // a parameter of zero may switch a load off; `--set` can switch it on, so it is also tried as one
-    let switched: Vec<f64> = constants
-        .iter()
-        .map(|x| if *x == 0.0 { 1.0 } else { *x })
-        .collect();
-    for trial in 0..TRIALS {
-        let constants = if trial % 2 == 0 {
-            &constants
-        } else {
-            &switched
-        };
-        let mut inputs = state(&layout, constants, &states, &mut random);
+    for (trial, constants) in settings(&constants).iter().enumerate() {
+        // a load may consist of a state alone, which begins at zero
+        let moved: Vec<f64> = states
+            .iter()
+            .zip(&scales)
+            .map(|(start, scale)| {
+                start
+                    + if trial % 2 == 0 {
+                        0.0
+                    } else {
+                        scale * random.next()
+                    }
+            })
+            .collect();
+        let mut inputs = state(&layout, constants, &moved, &mut random);
         answer(&layout, element, &mut inputs, &mut random);
         let Some(values) = evaluate(&inputs) else {
             continue;
