@@ -189,8 +189,8 @@ impl Points {
         }
     }
 
-    /// The longest step at the present speed of the cycle (s), for the longest distance in the unit of the points. This is the
-    /// distance of samples, so that a step sees every load that is as long.
+    /// The longest time between two evaluations of the equations at the present speed of the cycle (s), for the longest
+    /// distance in the unit of the points. This is the distance of samples, so that the run sees every load that is as long.
     fn longest_step(self, longest: f64, simulation: &Simulation) -> f64 {
         match self {
             Points::Time { .. } => longest,

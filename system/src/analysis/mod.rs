@@ -251,6 +251,14 @@ impl Method {
             Method::Radau => PLAIN_RHO,
         }
     }
+
+    /// The moments of a step at which the equations are evaluated.
+    pub fn stages(self) -> u32 {
+        match self {
+            Method::GeneralisedAlpha { .. } => 1,
+            Method::Radau => 3,
+        }
+    }
 }
 
 impl Default for Method {
