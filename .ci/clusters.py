@@ -74,11 +74,11 @@ def install():
 
 
 def wait(what, ready, seconds):
-    """Waits until a function is true, and returns its value."""
-    until = time.monotonic() + seconds
+    """Waits until a function is true, and returns its value. The limit is in seconds of a machine with little else to do."""
+    until = time.monotonic() + 4*seconds
     while not (found := ready()):
         if time.monotonic() > until:
-            sys.exit(f"{what} did not come in {seconds} s")
+            sys.exit(f"{what} did not come in {4*seconds} s")
         time.sleep(0.05)
     return found
 
@@ -346,7 +346,7 @@ def on_parallel(studies):
                                  stderr=subprocess.STDOUT, text=True)
         wait("parts", lambda: len(list(part.glob("*.parquet"))) >= 3, 60)
         end(wait("a worker", lambda: workers(studies.folder), 20)[0])
-        said, _ = first.communicate(timeout=60)
+        said, _ = first.communicate(timeout=240)
         # with exit code 1 nothing is missing: the worker had written its points already
         if first.returncode != 1:
             break
@@ -457,6 +457,8 @@ STEPS = [on_slurm, on_hyperqueue, on_parallel, on_dask, scaling, sobol, page]
 
 
 def main():
+    # the daemons of Slurm end also when this script is stopped
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     eng, folder = sys.argv[1], Path(sys.argv[2])
     began = time.monotonic()
     shutil.rmtree(folder, ignore_errors=True)
