@@ -531,7 +531,7 @@ fn an_argument_is_one_line_of_a_message_and_says_something() {
 
 #[test]
 fn of_very_many_mistakes_a_hundred_are_shown() {
-    let wrong: String = (0..100_000)
+    let wrong: String = (0..20_000)
         .map(|i| format!("const a{i} = missing{i}\n"))
         .collect();
     let folder = Folder::with("many", &wrong);
@@ -540,7 +540,7 @@ fn of_very_many_mistakes_a_hundred_are_shown() {
     let said = said(&output);
     assert_eq!(said.matches("error[").count(), 100, "{}", said.len());
     assert!(
-        said.ends_with("… and 99900 more messages\n100000 errors, 0 warnings\n"),
+        said.ends_with("… and 19900 more messages\n20000 errors, 0 warnings\n"),
         "{}",
         said.lines().last().unwrap()
     );

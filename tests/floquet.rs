@@ -489,7 +489,7 @@ fn whirl(program: &Program, analysis: &str, from: usize, h: f64) -> Complex<f64>
     Complex::new(re, im)
 }
 
-/// The speed at which oil whirl of a flexible rotor begins, by bisection from multipliers, is the speed at which
+/// The speed at which oil whirl of a flexible rotor begins, by the secant method from multipliers, is the speed at which
 /// whirl in transients neither grows nor decays. Beyond it shooting finds the motion that no transient keeps, and
 /// whirl grows from it with its exponent.
 #[test]
@@ -506,20 +506,26 @@ fn the_threshold_of_oil_whirl() {
     }
     let half = program.analysis("half").expect("an analysis");
     let speed = half.parameter("speed").expect("a parameter");
-    let (mut below, mut above) = (7400.0, 7800.0);
-    while above - below > 0.5 {
-        let middle = 0.5 * (below + above);
-        let quantity = format!("{middle} rad/s").parse().expect("a quantity");
+    let growth_at = |omega: f64| {
+        let quantity = format!("{omega} rad/s").parse().expect("a quantity");
         let at = half.clone().set(speed, quantity).expect("a setting");
         let found = at.run(&mut |_| {}).map_err(|f| f.error).expect("modes");
-        let found = found.modes.expect("modes");
-        *(if growth(&found) > 0.0 {
-            &mut above
-        } else {
-            &mut below
-        }) = middle;
+        growth(&found.modes.expect("modes"))
+    };
+    let (mut last, mut threshold) = (7400.0, 7800.0);
+    let (mut growth_of_last, mut growth_of_this) = (growth_at(last), growth_at(threshold));
+    assert!(growth_of_last < 0.0 && growth_of_this > 0.0);
+    for _ in 0..4 {
+        let next =
+            threshold - growth_of_this * (threshold - last) / (growth_of_this - growth_of_last);
+        (last, growth_of_last) = (threshold, growth_of_this);
+        threshold = next;
+        if (threshold - last).abs() < 0.5 {
+            break;
+        }
+        growth_of_this = growth_at(threshold);
     }
-    let threshold = 0.5 * (below + above);
+    assert!((threshold - last).abs() < 0.5, "{last} {threshold}");
     let [slow, fast, beyond] =
         [1, 2, 3].map(|i| whirl(&program, &format!("whirl[{i}]"), 250, 1e-4));
     assert!(slow.re < 0.0 && fast.re > 0.0, "{slow} {fast}");

@@ -136,13 +136,13 @@ fn begins_as(left: &Results, expected: &Results) {
 
 #[test]
 fn killed_ten_times_it_ends_with_the_same_bytes() {
-    let place = Place::new("killed", "80 s");
+    let place = Place::new("killed", "40 s");
     let whole = Instant::now();
     ok(&place.run("whole", &[]));
     let whole = whole.elapsed();
     assert_eq!(place.files("whole"), ["swing.parquet"]);
     let expected = Results::read_parquet(place.path("whole/swing.parquet")).unwrap();
-    assert_eq!(expected.samples(), 80_001);
+    assert_eq!(expected.samples(), 40_001);
     let bytes = |out: &str| {
         ["swing.parquet", "swing.motion.parquet"]
             .map(|name| std::fs::read(place.path(out).join(name)).unwrap())
