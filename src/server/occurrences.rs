@@ -212,7 +212,7 @@ impl<'i> Walk<'i, '_> {
                 .flatten(),
         );
         self.unit(item.display.as_ref());
-        for (low, high) in &item.limits {
+        if let Some((low, high)) = &item.limits {
             self.values([low, high]);
         }
     }
@@ -232,7 +232,7 @@ impl<'i> Walk<'i, '_> {
             self.define(&parameter.name, Token::Parameter);
             self.types([&parameter.ty]);
             self.values(&parameter.default);
-            for (low, high) in &parameter.limits {
+            if let Some((low, high)) = &parameter.limits {
                 self.values([low, high]);
             }
         }
