@@ -6,6 +6,7 @@ use crate::indexed::base;
 use crate::machine::JournalGeometry;
 use crate::post::{self, ORDERS, PostError, Run};
 use crate::results::{CYCLE_ANGLE, Column, Results, TIME, display_unit};
+use crate::run::RunOutcome;
 use crate::tables::response;
 use eng_report::figure::Figure;
 use eng_system::Dimension;
@@ -48,16 +49,37 @@ impl Wanted {
     }
 }
 
+/// The figures of a run. For a sweep the table over its points is more useful; modes and a single state have no figure of
+/// their own.
+pub(crate) fn of_outcome(outcome: &RunOutcome) -> Vec<Wanted> {
+    let results = &outcome.results;
+    match outcome.point.is_empty() {
+        true if results.are_responses() => of_response(results),
+        true if results.are_samples() => of_run(&Run::new(results, &outcome.machine)),
+        _ => Vec::new(),
+    }
+}
+
+/// Titles and drawings of the figures of a run that `eng run` draws without a `report` block, or why the results do not
+/// give one.
+pub fn figures_of(outcome: &RunOutcome) -> Vec<(String, Result<Figure, PostError>)> {
+    let run = [Run::new(&outcome.results, &outcome.machine)];
+    let wanted = of_outcome(outcome).into_iter();
+    wanted
+        .map(|wanted| (wanted.title.clone(), wanted.draw(&run)))
+        .collect()
+}
+
 /// The outputs of the model and the forces of its journals over the samples of a run, then the paths of its
 /// pins.
-pub(crate) fn of_run(run: &Run<'_>) -> Vec<Wanted> {
+fn of_run(run: &Run<'_>) -> Vec<Wanted> {
     let mut wanted = histories(run);
     wanted.extend(orbits(run));
     wanted
 }
 
 /// Amplitude and phase of the outputs of a frequency response, with one figure for each unit.
-pub(crate) fn of_response(results: &Results) -> Vec<Wanted> {
+fn of_response(results: &Results) -> Vec<Wanted> {
     let mut families: Vec<Vec<&Column>> = Vec::new();
     for output in response::outputs(results) {
         let same = |family: &&mut Vec<&Column>| {

@@ -39,12 +39,15 @@
         clippy::todo
     )
 )]
+// some functions serve the command line alone
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
 /// The snippets of the page on programs that embed Eng are tests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/embedding.md")]
 pub struct Embedding;
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod codes;
 pub mod plot;
@@ -71,6 +74,7 @@ mod machine;
 mod matrices;
 mod model;
 pub mod modes;
+mod moment;
 pub mod motion;
 mod places;
 mod program;
@@ -82,6 +86,7 @@ mod repetition;
 pub mod report;
 mod response;
 pub mod run;
+#[cfg(feature = "cli")]
 pub mod server;
 mod simulation;
 mod sources;
@@ -107,6 +112,7 @@ pub use eng_system::system::summary::{Statistic, SummaryColumn, SummaryParameter
 pub use eng_system::system::{Method, Start, StepControl};
 pub use eng_system::{Dimension, DisplayUnit};
 pub use error::{Error, Report};
+pub use figures::figures_of;
 pub use machine::{InterfaceSummary, JournalGeometry, Machine, SummarisedElement};
 pub use model::{Channel, ChannelInfo, Input, InputInfo, Model, Parameter, ParameterInfo};
 pub use program::{Checked, Program, check, open};
@@ -116,4 +122,4 @@ pub use reduction::{BodyFile, BodyFormat, HandOverError, Reduction};
 pub use results::{Gradient, Results};
 pub use simulation::{Simulation, SimulationBuilder};
 pub use sources::Sources;
-pub use tables::{Summarised, SummaryTable};
+pub use tables::{Summarised, SummaryTable, outcome_text, sweep_texts};

@@ -15,6 +15,8 @@ pub struct Sources {
     cache: Option<PathBuf>,
     /// Texts of an editor, by the paths of their files.
     unsaved: Arc<BTreeMap<PathBuf, String>>,
+    /// Why there are no files but the texts.
+    absence: Option<Arc<str>>,
     /// Hashes of files that are absent: their reductions are in the cache.
     sealed: Arc<BTreeMap<String, [u8; 32]>>,
     /// The files of the folder that were asked for, by the paths at which they were sought.
@@ -73,6 +75,7 @@ impl Sources {
             kind: Kind::Folder(canonical),
             cache: None,
             unsaved: Arc::default(),
+            absence: None,
             sealed: Arc::default(),
             asked: Arc::default(),
         })
@@ -89,6 +92,7 @@ impl Sources {
             kind: Kind::Texts(Arc::new(texts.into_iter().collect())),
             cache: None,
             unsaved: Arc::default(),
+            absence: None,
             sealed: Arc::default(),
             asked: Arc::default(),
         }
@@ -111,6 +115,24 @@ impl Sources {
     ) -> Sources {
         self.unsaved = Arc::new(texts.into_iter().collect());
         self
+    }
+
+    /// Gives this reason for a file that is not among the texts, where its message would say that there is no such file.
+    #[must_use]
+    pub fn with_absence(mut self, reason: impl Into<Arc<str>>) -> Sources {
+        self.absence = Some(reason.into());
+        self
+    }
+
+    /// The error about a file that is not among the texts.
+    fn absent(&self, path: &str) -> HostError {
+        match &self.absence {
+            None => HostError::NotFound(path.into()),
+            Some(reason) => HostError::System {
+                path: path.into(),
+                message: reason.to_string(),
+            },
+        }
     }
 
     /// Takes the hashes of meshes and matrices that are not in the folder, because the cache has their reductions.
@@ -199,7 +221,7 @@ impl Sources {
         match &self.kind {
             Kind::Texts(texts) => match texts.get(path) {
                 Some(text) => Ok(Box::new(std::io::Cursor::new(text.clone().into_bytes()))),
-                None => Err(HostError::NotFound(path.into())),
+                None => Err(self.absent(path)),
             },
             Kind::Folder(folder) => {
                 let file = std::fs::File::open(self.place(folder, path)?)
@@ -267,10 +289,7 @@ fn refused(path: &str, error: &std::io::Error) -> HostError {
 impl Host for Sources {
     fn read_text(&self, path: &str) -> Result<String, HostError> {
         match &self.kind {
-            Kind::Texts(texts) => texts
-                .get(path)
-                .cloned()
-                .ok_or_else(|| HostError::NotFound(path.into())),
+            Kind::Texts(texts) => texts.get(path).cloned().ok_or_else(|| self.absent(path)),
             Kind::Folder(folder) => {
                 let place = self.place(folder, path);
                 // a text that was never saved has no file

@@ -94,7 +94,7 @@ pub(crate) struct Clock {
     #[cfg(unix)]
     last: Duration,
     #[cfg(not(unix))]
-    last: std::time::Instant,
+    last: crate::moment::Moment,
 }
 
 impl Clock {
@@ -109,7 +109,7 @@ impl Clock {
         #[cfg(unix)]
         return self.last.saturating_sub(last);
         #[cfg(not(unix))]
-        return self.last.saturating_duration_since(last);
+        return self.last.since(last);
     }
 }
 
@@ -122,8 +122,8 @@ fn now() -> Duration {
 }
 
 #[cfg(not(unix))]
-fn now() -> std::time::Instant {
-    std::time::Instant::now()
+fn now() -> crate::moment::Moment {
+    crate::moment::Moment::now()
 }
 
 #[cfg(test)]

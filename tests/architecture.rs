@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The crates with the folders of their sources.
-const CRATES: [(&str, &str); 10] = [
+const CRATES: [(&str, &str); 11] = [
     ("eng", "src"),
     ("eng-grammar", "grammar/src"),
     ("eng-system", "system/src"),
@@ -18,6 +18,7 @@ const CRATES: [(&str, &str); 10] = [
     ("eng-report", "report/src"),
     ("eng-python", "python/src"),
     ("eng-capi", "capi/src"),
+    ("eng-playground", "playground/src"),
 ];
 
 /// Most lines of a function.

@@ -141,6 +141,13 @@ fn reduced(
     let run = &run;
     let parts: Vec<&[f64]> = vectors.chunks(share * size).collect();
     let mut blocks = Vec::new();
+    // a system without threads has one
+    if threads < 2 {
+        for part in parts {
+            blocks.extend(run(part)?);
+        }
+        return Ok(blocks);
+    }
     for parts in parts.chunks(threads) {
         let found = std::thread::scope(|scope| {
             let mut running = Vec::with_capacity(parts.len());

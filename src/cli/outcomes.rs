@@ -10,8 +10,7 @@ use crate::post::Run;
 use crate::program::Program;
 use crate::results::gradients_file;
 use crate::run::RunOutcome;
-use crate::tables::{SummaryTable, modes, response, state};
-use crate::timings;
+use crate::tables::outcome_text;
 use eng_grammar::{Diagnostic, Diagnostics};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -170,7 +169,7 @@ impl<'a> Outcomes<'a> {
         } = *self;
         let results = &outcome.results;
         if !arguments.quiet {
-            summary(outcome, console)?;
+            write!(console.output, "{}", outcome_text(outcome))?;
         }
         for written in std::iter::once(results).chain(&outcome.motion) {
             let path = folder.join(format!("{}.parquet", written.stem()));
@@ -188,58 +187,12 @@ impl<'a> Outcomes<'a> {
             let path = or_stop(results.write_csv(folder), console)?;
             wrote(&path, arguments, console)?;
         }
-        // for a sweep the table over its points is more useful; modes and a single state have no figure of their own
-        let drawn = results.are_samples() || results.are_responses();
-        if !arguments.no_plots && outcome.point.is_empty() && drawn {
+        if !arguments.no_plots {
             let failed = results.failure().is_some();
             let run = Run::new(results, &outcome.machine);
-            let wanted = match results.are_responses() {
-                true => figures::of_response(results),
-                false => figures::of_run(&run),
-            };
+            let wanted = figures::of_outcome(outcome);
             draw_all(&wanted, &[run], failed, folder, arguments, console)?;
         }
         Ok(())
     }
-}
-
-fn summary(outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop> {
-    let results = &outcome.results;
-    writeln!(
-        console.output,
-        "{} ({})",
-        results.analysis(),
-        results.model()
-    )?;
-    let point: Vec<String> = outcome
-        .point
-        .iter()
-        .map(|p| format!("{} = {}", p.name, p.display.text(p.value)))
-        .collect();
-    if !point.is_empty() {
-        writeln!(console.output, "  {}", point.join(", "))?;
-    }
-    for fact in &outcome.facts {
-        writeln!(console.output, "  {fact}")?;
-    }
-    if let Some(spent) = &outcome.timings {
-        writeln!(console.output, "  {}", timings::line(&spent.phases()))?;
-    }
-    if !outcome.point.is_empty() {
-        return Ok(());
-    }
-    if results.is_state() {
-        write!(console.output, "{}", state::text(results))?;
-        return Ok(());
-    }
-    for summary in &outcome.machine.summaries {
-        let table = SummaryTable::new(results, summary, outcome.machine.cycle_period);
-        write!(console.output, "{}", table.text())?;
-    }
-    if results.are_modes() {
-        write!(console.output, "{}", modes::table(results))?;
-    } else if results.are_responses() {
-        write!(console.output, "{}", response::text(results))?;
-    }
-    Ok(())
 }

@@ -18,7 +18,7 @@ use crate::quantity::{Quantity, QuantityError};
 use crate::render::visible_name;
 use crate::results::{Last, Recording, Selection, stem_of, writable};
 use crate::run::{Event, RunOutcome, run_many};
-use crate::tables::{modes, response, sweep};
+use crate::tables::{over_points_of, sweep};
 use crate::timings::{self, Clock};
 use eng_grammar::Diagnostics;
 use eng_system::Dimension;
@@ -285,22 +285,7 @@ fn over_points(
     folder: &Path,
     console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
-    let name = sweep::name(family);
-    let (mut table, text) = if family.iter().all(|o| o.results.are_modes()) {
-        (
-            sweep::stacked(name, family),
-            modes::campbell_text(name, family),
-        )
-    } else if family.iter().all(|o| o.results.are_responses()) {
-        (
-            sweep::stacked(name, family),
-            response::text_of_sweep(name, family),
-        )
-    } else {
-        let table = sweep::table(family);
-        let text = sweep::text(&table);
-        (table, text)
-    };
+    let (mut table, text) = over_points_of(family);
     let missing: Vec<&str> = failures
         .iter()
         .filter(|name| base(name) == table.analysis())

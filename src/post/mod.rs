@@ -47,8 +47,8 @@ use crate::results::{Gradient, Results};
 use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
-use eng_system::place::Location;
 use eng_system::expression::{Expression, Member};
+use eng_system::place::Location;
 use eng_system::report::{EntryKind, MessagePart, Report};
 use evaluate::Evaluator;
 

@@ -7,6 +7,7 @@ use crate::analysis::{Failed, Outcome};
 use crate::grid_error::{GridError, grid_errors};
 use crate::lint::{self, Finding};
 use crate::machine::Machine;
+use crate::moment::Moment;
 use crate::repetition::Repetition;
 use crate::timings::{Clock, Timings};
 use crate::{Analysis, Error, Gradient, Progress, Results, Slow, Verdict, Watch};
@@ -20,7 +21,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The results of a run with its machine and its messages.
 #[derive(Clone, Debug)]
@@ -88,7 +89,7 @@ pub fn run_many(
                         return;
                     };
                     // sending fails only after the receiver is closed, and then nobody needs the event
-                    let mut last: Option<Instant> = None;
+                    let mut last: Option<Moment> = None;
                     let result = run_on(analysis, patient, each, &mut |event| {
                         // an event wakes the thread that reads it, which takes some ten microseconds of a step
                         if broken.load(Ordering::Relaxed) {
@@ -98,7 +99,7 @@ pub fn run_many(
                             if last.is_some_and(|last| last.elapsed() < BETWEEN) {
                                 return ControlFlow::Continue(());
                             }
-                            last = Some(Instant::now());
+                            last = Some(Moment::now());
                         }
                         let _ = sender.send((index, event));
                         ControlFlow::Continue(())
@@ -156,7 +157,7 @@ fn run_on(
         analysis,
         on_event,
         patient,
-        began: Instant::now(),
+        began: Moment::now(),
         patience: Patience::default(),
         explained: false,
         slowing: None,
@@ -191,7 +192,7 @@ struct Watching<'a> {
     analysis: &'a Analysis,
     on_event: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
     patient: bool,
-    began: Instant,
+    began: Moment,
     patience: Patience,
     /// Whether the cause of short steps was reported.
     explained: bool,

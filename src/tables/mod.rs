@@ -1,11 +1,14 @@
 //! Tables of results: summaries by interface, points of a sweep, modes; as text with aligned columns.
 
 pub(crate) mod modes;
+mod outcome;
 pub(crate) mod response;
 pub(crate) mod state;
 mod summary;
 pub(crate) mod sweep;
 
+pub(crate) use outcome::over_points_of;
+pub use outcome::{outcome_text, sweep_texts};
 pub use summary::{Summarised, SummaryTable};
 pub(crate) use summary::{in_words, mean, readable};
 

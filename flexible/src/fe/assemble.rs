@@ -243,6 +243,11 @@ impl Assembly<'_> {
     ) {
         let share = block.len().div_ceil(threads).max(1);
         let mesh = self.mesh;
+        // a system without threads has one
+        if threads < 2 {
+            faults.extend(compute_run(mesh, block, computed, tables, numbers));
+            return;
+        }
         std::thread::scope(|scope| {
             let mut rest = numbers;
             let mut running = Vec::with_capacity(threads);
@@ -322,11 +327,15 @@ impl Assembly<'_> {
                 if nodes.is_empty() {
                     continue;
                 }
-                scope.spawn(move || {
+                let mut add = move || {
                     for element in computed {
                         columns.add(element, numbers, &nodes);
                     }
-                });
+                };
+                match bounds.len() {
+                    2 => add(),
+                    _ => drop(scope.spawn(add)),
+                }
             }
         });
     }

@@ -1,0 +1,29 @@
+//! Moments, for times that pass. WebAssembly alone, without a host's clock, has no time: there none passes.
+
+use std::time::{Duration, Instant};
+
+/// A moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment(Option<Instant>);
+
+impl Moment {
+    /// The present one.
+    pub fn now() -> Moment {
+        // the standard library panics there
+        let clock = !cfg!(all(target_family = "wasm", target_os = "unknown"));
+        Moment(clock.then(Instant::now))
+    }
+
+    /// The time from an earlier moment to this one.
+    pub fn since(self, earlier: Moment) -> Duration {
+        match (self.0, earlier.0) {
+            (Some(now), Some(earlier)) => now.saturating_duration_since(earlier),
+            _ => Duration::ZERO,
+        }
+    }
+
+    /// The time from this moment to the present one.
+    pub fn elapsed(self) -> Duration {
+        Moment::now().since(self)
+    }
+}
