@@ -377,6 +377,51 @@ analysis hang = assemble(Bar())
     }
 }
 
+/// Loads that are zero at the start have their static mode: one that two parameters of zero switch, and that is zero again with
+/// both, and one that is a state alone.
+#[test]
+fn a_load_that_is_zero_at_the_start_has_its_static_mode() {
+    for (name, law) in [
+        (
+            "switched",
+            "let stretch = dot(a.origin - b.origin, b.z)
+    apply force (scale*stretch - off*stretch)*(1 kN/mm)*b.z on a against b",
+        ),
+        (
+            "state",
+            "state push: Force = 0 N scale 10 N
+    der(push) = (5 N - push)/(1 s)
+    apply force (1 - off)*push*b.z on a against b",
+        ),
+    ] {
+        let text = format!(
+            "force Push(a: Marker, b: Marker, scale: 1 = 0, off: 1 = 0) {{
+    {law}
+}}
+model Bar {{
+    gravity = [0, 0, 0] m/s^2
+    flexible bar {{
+        mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
+        support = foot
+        modes = static(at: tip, freedoms: z) + normal(3)
+        damping = 1 %
+        marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm, tie: rigid)
+        marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
+    }}
+    marker wall = [0, 0, 200] mm
+    force push = Push(bar.tip, wall)
+}}
+analysis stands = assemble(Bar())
+"
+        );
+        let folder = Text::new(&format!("late-{name}"), &text);
+        std::fs::write(folder.0.join("bar.bdf"), include_str!("mesh/bar.bdf")).expect("a mesh");
+        let (said, _) = folder.check();
+        assert!(!said.contains("error"), "{name}: {said}");
+        assert!(!said.contains("W0505"), "{name}: {said}");
+    }
+}
+
 /// A message shows a list with the unit of its numbers.
 #[test]
 fn a_message_shows_lists() {
