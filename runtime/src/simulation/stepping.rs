@@ -401,7 +401,7 @@ impl Simulation {
         })
     }
 
-    /// Like [`Simulation::step_within`], but under error control at most `longest` (s) passes for each evaluation of the
+    /// Like [`Simulation::step_within`], but under error control at most `longest` (s) is between two evaluations of the
     /// equations.
     pub(crate) fn step_no_longer(
         &mut self,
@@ -673,8 +673,7 @@ impl Simulation {
     /// The longest step (s) that the sampling interval, the turn of bodies and fast sines permit, with the one of them
     /// that decides.
     fn allowed_step(&self, longest: f64) -> (f64, Limit) {
-        // a method of several stages sees the loads once in a sampling interval, as that of one stage does
-        let longest = longest * f64::from(self.options.method.stages());
+        let longest = longest * f64::from(self.options.method.samples_in_step());
         let mut allowed = (longest.min(self.options.max_step), Limit::Samples);
         let turning = self.fastest().0;
         if turning > 0.0 && TURN / turning < allowed.0 {

@@ -252,11 +252,12 @@ impl Method {
         }
     }
 
-    /// The moments of a step at which the equations are evaluated.
-    pub fn stages(self) -> u32 {
+    /// The most samples in a step. Then at most one sample is between two evaluations of the equations: Radau IIA has stages at
+    /// 0.155, 0.645 and 1 of a step.
+    pub fn samples_in_step(self) -> u32 {
         match self {
             Method::GeneralisedAlpha { .. } => 1,
-            Method::Radau => 3,
+            Method::Radau => 2,
         }
     }
 }
