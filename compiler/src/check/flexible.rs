@@ -482,6 +482,11 @@ impl<'p> Checker<'p> {
     /// `[x, y, rz]`, or one of them.
     fn freedoms(&mut self, value: &Expr) {
         match &value.kind {
+            ExprKind::List { items, unit: None } if items.is_empty() => self.report(
+                Diagnostic::error(codes::FLEXIBLE, "a list of freedoms names at least one")
+                    .at(value.span, "this list is empty")
+                    .with_help("write `freedoms: [x, y]`, or leave the argument out"),
+            ),
             ExprKind::List { items, unit: None } => {
                 for item in items {
                     self.one_of(item, &FREEDOM_NAMES, "a freedom of a marker");

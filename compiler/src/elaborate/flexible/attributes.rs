@@ -59,12 +59,14 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         scope: ScopeId,
     ) -> Eval<Option<ShellSurfaces>> {
-        let groups = argument(word, arguments, "shells");
+        let names_none = |list: &ast::Expr| matches!(&list.kind, ExprKind::List { items, .. } if items.is_empty());
+        let groups = argument(word, arguments, "shells").filter(|list| !names_none(list));
+        let stated = argument(word, arguments, "shells").is_some();
         let thickness = argument(word, arguments, "thickness");
         let missing = match (groups, thickness) {
-            (None, None) => return Ok(None),
+            (None, None) if !stated => return Ok(None),
             (Some(_), None) => "the thickness is missing",
-            (None, Some(_)) => "the groups are missing",
+            (None, _) => "the groups are missing",
             (Some(groups), Some(stated)) => {
                 let groups = self.texts(Some(groups), scope)?;
                 let thickness = self.structural_number(stated, scope)?;
