@@ -933,6 +933,38 @@ fn membranes_have_a_thickness_and_no_bending() {
     );
 }
 
+/// Only membranes have a `*MEMBRANE SECTION`, and no other section.
+#[test]
+fn membranes_need_their_section() {
+    let membranes = mesh(SKIN);
+    let Section::Shell(section) = membranes.properties[0].section else {
+        panic!("{:?}", membranes.properties);
+    };
+    assert_eq!(section.thickness, 0.0);
+    assert_eq!(
+        unread(&membranes),
+        [("membranes without section", 1, Carries::Structure)]
+    );
+    let section = "*ELASTIC\n70000., .3\n*MEMBRANE SECTION, ELSET=SKIN, MATERIAL=M\n0.5\n";
+    for kind in ["SFM3D4", "CPS4", "R3D4"] {
+        let skin = SKIN.replace("TYPE=M3D4", &format!("TYPE={kind}"));
+        let surface = mesh(&format!("{skin}{section}"));
+        assert_eq!(surface.properties[0].material, None, "{kind}");
+        let name = "*MEMBRANE SECTION of plane or surface elements";
+        assert_eq!(unread(&surface), [(name, 1, Carries::Structure)], "{kind}");
+        assert!(unread(&mesh(&skin)).is_empty(), "{kind}");
+    }
+    let shells = section.replace("MEMBRANE", "SHELL");
+    let found = problem(&format!("{SKIN}{shells}"));
+    assert!(
+        found
+            .problem
+            .contains("*SHELL SECTION: element 1 needs another kind of section"),
+        "{found}"
+    );
+    assert!(found.advice.contains("membranes a *MEMBRANE SECTION"));
+}
+
 #[test]
 fn problems_tell_their_place() {
     let lines = CUBES.lines().count() as u64;

@@ -587,6 +587,55 @@ fn shells_on_a_face_of_solids() {
     assert_eq!(names.collect::<Vec<_>>(), ["a face", "all", "volumes"]);
 }
 
+/// Each surface is in two groups, and format 2.2 writes it once for each of them: both groups may be stated, and one group
+/// by its name and its number.
+#[test]
+fn groups_of_the_same_shells() {
+    let twice = PLATE
+        .replace("2\n1 1 \"EDGE\"", "3\n1 1 \"EDGE\"\n2 4 \"ALL\"")
+        .replace("$Elements\n5\n", "$Elements\n9\n")
+        .replace(
+            "$EndElements",
+            "6 3 2 4 1 1 2 6 5\n7 3 2 4 1 2 3 7 6\n8 2 2 4 2 3 4 8\n9 2 2 4 2 3 8 7\n$EndElements",
+        );
+    for groups in [["ALL", "COVER"], ["COVER", "ALL"]] {
+        let plate = with_shells(&twice, &groups).unwrap();
+        is_consistent(&plate);
+        assert_eq!(plate.elements.len(), 4);
+        for group in groups {
+            assert_eq!(set(&plate, group).elements(), [0, 1, 2, 3]);
+        }
+        assert_eq!(plate.properties.len(), 1);
+    }
+    for groups in [
+        ["COVER", "physical:5"],
+        ["physical:5", "COVER"],
+        ["physical:2:5", "physical:5"],
+    ] {
+        let plate = with_shells(PLATE, &groups).unwrap();
+        assert_eq!(set(&plate, "COVER").elements(), [0, 1, 2, 3]);
+        assert_eq!(plate.properties[0].name, groups[0]);
+    }
+    let error = with_shells(PLATE, &["COVER", "physical:4"]).unwrap_err();
+    let message = "the group physical:4 has no triangle and no quadrangle";
+    assert!(error.to_string().contains(message), "{error}");
+}
+
+/// A group of points has the number of the group of surfaces.
+#[test]
+fn shells_of_a_number_that_other_groups_have() {
+    let mesh = with_shells(SMALL, &["physical:2:1"]).unwrap();
+    assert_eq!(set(&mesh, "physical:2:1").elements(), [0]);
+    assert_eq!(mesh.properties[0].name, "physical:2:1");
+    let error = with_shells(SMALL, &["physical:1"]).unwrap_err();
+    let message = "groups of several dimensions have the number of physical:1 in `shells`";
+    assert!(error.to_string().contains(message), "{error}");
+    assert_eq!(error.advice(), "write physical:2:1 for its surfaces");
+    // no other group has the number 4
+    let mesh = with_shells(SMALL, &["physical:4"]).unwrap();
+    assert_eq!(set(&mesh, "physical:4").elements(), [0]);
+}
+
 #[test]
 fn wrong_shells_and_their_messages() {
     let nine = PLATE.replace("2 3 2 5 1 1 2 6 5\n", "2 10 2 5 1 1 2 6 5 1 2 3 4 7\n");

@@ -535,6 +535,29 @@ fn wrong_files_and_their_messages() {
     insta::assert_snapshot!(said);
 }
 
+/// Text between datasets is a remark if a dataset follows it. Otherwise a stray -1 may have ended a dataset early.
+#[test]
+fn text_after_a_stray_end_of_a_dataset() {
+    let small = small(1);
+    let header = dataset("151", "a header\nof lines\n");
+    let rest = small.strip_prefix(&header).unwrap();
+    let ended = "    -1\n   151\na header\n    -1\nof lines\n";
+    let lines = small.lines().count();
+    for (text, line) in [
+        // the end of the dataset, and the next one
+        (format!("{ended}    -1\n{rest}"), 5),
+        // the end of the dataset and of the file, with data and without
+        (format!("{small}{ended}    -1\n"), lines + 5),
+        (format!("{small}{ended} 1 2 3\n    -1\n"), lines + 5),
+        (format!("{small}{ended}Remark\n\n"), lines + 5),
+    ] {
+        let error = try_read(text.as_bytes()).unwrap_err();
+        let message = format!("a.unv:{line}: \"of lines\" is outside a dataset");
+        assert!(error.to_string().contains(&message), "{error}");
+        assert!(!error.advice().is_empty());
+    }
+}
+
 /// Contents that stop the reduction unless `ignore` names them; shells and beams are faces and edges of solids
 /// in a file without tables alone.
 #[test]
@@ -770,6 +793,44 @@ fn normal_modes_of_universal_files() {
     let touching = mode.replace("  3.00000E+00 -4.00000E+00", " 3.000000E+00-4.000000E+00");
     assert_ne!(touching, mode);
     assert_eq!(shapes_of(&touching).unwrap().modes, found.modes);
+}
+
+/// The type of the data says whether the values may have more than six digits, and their text whether they have them.
+#[test]
+fn digits_of_modes() {
+    let digits = |text: &str| {
+        let modes = shapes_of(text).unwrap();
+        (modes.digits, modes.warnings)
+    };
+    let with = |data: u64| mode_of_55(1, 32.0, [1, 2, 2, 8, data, 3], FIRST);
+    let long = |data: u64, value: &str| {
+        let changed = with(data).replace("-3.00000E+00", value);
+        assert_ne!(changed, with(data));
+        changed
+    };
+    let six = (
+        6,
+        vec!["a.unv: shapes have 6 digits, so invariants and orthogonality of modes have no more digits".to_owned()],
+    );
+    assert_eq!(digits(&with(2)), six);
+    assert_eq!(digits(&long(2, " -3.00000001")), six);
+    // double precision in the columns of single precision
+    assert_eq!(digits(&with(4)), six);
+    let (thirteen, warnings) = digits(&long(4, " -3.000000000001E+00"));
+    assert_eq!(thirteen, 13);
+    assert!(
+        warnings[0].contains("shapes have 13 digits"),
+        "{warnings:?}"
+    );
+    let double = long(4, " -3.0000000000000001D+00");
+    assert_eq!(digits(&double), (15, Vec::new()));
+    // one mode in single precision
+    let second = mode_of_55(2, 0.5, TRANSLATIONS, SECOND);
+    assert_eq!(digits(&(double + &second)), six);
+    let complex: &Values<'_> = &[(11, &[1.0, 0.0, 2.0, 0.0, -3.0, 0.0])];
+    let complex = mode_of_55(1, 32.0, [1, 2, 2, 8, 6, 3], complex);
+    let complex = complex.replace("-3.00000E+00", " -3.0000000000000001D+00");
+    assert_eq!(digits(&complex), (15, Vec::new()));
 }
 
 #[test]

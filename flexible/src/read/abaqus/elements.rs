@@ -53,7 +53,7 @@ pub(super) fn make(
                 };
                 add_element(mesh, new, nodes, None).map_err(|e| e.at(&row.at))?;
             }
-            (Shape::Facet(kind), nodes) => {
+            (Shape::Membrane(kind) | Shape::Facet(kind), nodes) => {
                 let new = new(kind, Variant::Plain);
                 add_element(mesh, new, nodes, None).map_err(|e| e.at(&row.at))?;
             }

@@ -28,7 +28,9 @@ pub(super) enum Family {
     Beam(bool),
     /// A truss.
     Truss,
-    /// A membrane, or a surface without stiffness.
+    /// A membrane.
+    Membrane,
+    /// A surface without stiffness.
     Facet,
 }
 
@@ -38,6 +40,7 @@ impl Family {
         match shape {
             Shape::Solid(..) => Some(Family::Solid),
             Shape::Shell(_) => Some(Family::Shell),
+            Shape::Membrane(_) => Some(Family::Membrane),
             Shape::Facet(_) => Some(Family::Facet),
             Shape::Beam { shear, .. } => Some(Family::Beam(shear)),
             Shape::Truss => Some(Family::Truss),
@@ -271,8 +274,27 @@ impl<'m> Sections<'m> {
         shells::shape(block, of_section, (row, model), nodes, unread)
     }
 
-    /// Index of the property of a row. Solids without a section get one without material, shells become
-    /// facets; `None` for beams and trusses, which need a section.
+    /// The property of a row without section. Solids get one without material, shells and membranes become facets; `None`
+    /// for beams and trusses, which need a section.
+    fn without_section(row: &Row, family: Family, unread: &mut UnreadCards) -> Option<Property> {
+        let name = match family {
+            Family::Solid => {
+                return Some(Property {
+                    name: "without section".into(),
+                    material: None,
+                    section: Section::Solid,
+                });
+            }
+            Family::Facet => return Some(facets("facets")),
+            Family::Shell => "shells without section",
+            Family::Membrane => "membranes without section",
+            Family::Beam(_) | Family::Truss => return None,
+        };
+        unread.note(name, &row.at, Carries::Structure);
+        Some(facets(name))
+    }
+
+    /// Index of the property of a row; `None` for beams and trusses without section.
     pub fn property(
         &mut self,
         row: u32,
@@ -295,28 +317,10 @@ impl<'m> Sections<'m> {
             return Ok(Some(made));
         }
         let block = section.and_then(|section| self.blocks.get(section as usize).copied());
-        let facets = |name: &str| Property {
-            name: name.into(),
-            material: None,
-            section: Section::Shell(ShellSection::plate(0.0)),
-        };
         let Some((place, block)) = block else {
-            let property = match family {
-                Family::Solid => Property {
-                    name: "without section".into(),
-                    material: None,
-                    section: Section::Solid,
-                },
-                Family::Facet => facets("facets"),
-                Family::Shell => {
-                    if let Some(row) = model.rows.get(row as usize) {
-                        unread.note("shells without section", &row.at, Carries::Structure);
-                    }
-                    facets("shells without section")
-                }
-                Family::Beam(_) | Family::Truss => return Ok(None),
-            };
-            return Ok(Some(self.properties.add(by, property)));
+            let row = model.rows.get(row as usize);
+            let property = row.and_then(|row| Self::without_section(row, family, unread));
+            return Ok(property.map(|property| self.properties.add(by, property)));
         };
         let keyword = &block.keyword;
         let name = match model.places.get(place).map(|placed| placed.name.as_str()) {
@@ -352,7 +356,7 @@ impl<'m> Sections<'m> {
                 };
                 return Ok(Some(self.properties.add(by, property)));
             }
-            (Family::Facet, "MEMBRANESECTION") => membrane(block)?,
+            (Family::Membrane, "MEMBRANESECTION") => membrane(block)?,
             (Family::Facet, _) => {
                 unread.note(
                     &format!("*{} of plane or surface elements", keyword.name),
@@ -370,7 +374,7 @@ impl<'m> Sections<'m> {
                 let label = model.rows.get(row as usize).map_or(0, |row| row.label);
                 return Err(keyword.problem(
                     &format!("element {label} needs another kind of section"),
-                    "give solids and trusses a *SOLID SECTION, shells a *SHELL SECTION, and beams a *BEAM SECTION; only shells can be COMPOSITE",
+                    "give solids and trusses a *SOLID SECTION, shells a *SHELL SECTION, membranes a *MEMBRANE SECTION, and beams a *BEAM SECTION; only shells can be COMPOSITE",
                 ));
             }
         };
@@ -381,7 +385,7 @@ impl<'m> Sections<'m> {
                 self.material_of_solid(written, section, line, (model, materials), unread)?
             }
             Family::Shell => self.material(written, block, materials, Use::Shell)?,
-            Family::Beam(_) | Family::Truss | Family::Facet => {
+            Family::Beam(_) | Family::Truss | Family::Membrane | Family::Facet => {
                 self.material(written, block, materials, Use::Line)?
             }
         };
@@ -405,6 +409,15 @@ pub(super) fn direction(block: &Block) -> Result<[f64; 3], FileProblem> {
 
 fn first_row(block: &Block) -> Result<&lines::Row, FileProblem> {
     block.rows.first().ok_or_else(|| without_line(block))
+}
+
+/// Surfaces without stiffness.
+fn facets(name: &str) -> Property {
+    Property {
+        name: name.into(),
+        material: None,
+        section: Section::Shell(ShellSection::plate(0.0)),
+    }
 }
 
 fn without_line(block: &Block) -> FileProblem {

@@ -9,6 +9,8 @@ pub(super) enum Shape {
     Solid(ElementKind, Variant),
     /// A shell.
     Shell(ElementKind),
+    /// A membrane.
+    Membrane(ElementKind),
     /// A surface without stiffness, or a plane element, which has none here.
     Facet(ElementKind),
     /// `B31`, `B32` (two beams), `B33`: number of nodes, and whether it bends under shear.
@@ -88,7 +90,10 @@ impl Shape {
             };
             return Some(Shape::Solid(kind, variant));
         }
-        let plane = ["SFM3D", "M3D", "R3D", "CPS", "CPE", "CAX", "DS"];
+        if let Some(rest) = name.strip_prefix("M3D") {
+            return ElementKind::of_abaqus_facet(rest).map(Shape::Membrane);
+        }
+        let plane = ["SFM3D", "R3D", "CPS", "CPE", "CAX", "DS"];
         let rest = plane.iter().find_map(|start| name.strip_prefix(start))?;
         ElementKind::of_abaqus_facet(rest).map(Shape::Facet)
     }
@@ -96,7 +101,10 @@ impl Shape {
     /// Number of nodes in the file.
     pub fn node_count(self) -> usize {
         match self {
-            Shape::Solid(kind, _) | Shape::Shell(kind) | Shape::Facet(kind) => kind.node_count(),
+            Shape::Solid(kind, _)
+            | Shape::Shell(kind)
+            | Shape::Membrane(kind)
+            | Shape::Facet(kind) => kind.node_count(),
             Shape::Beam { nodes, .. } => nodes,
             Shape::Truss | Shape::Spring(SpringKind::Freedoms | SpringKind::Axial) => 2,
             Shape::Mass
@@ -139,6 +147,8 @@ mod tests {
         assert_eq!(variant("C3D8T"), Some(Variant::Plain));
         assert_eq!(variant("C3D8RT"), variant("C3D20R"));
         assert_ne!(variant("C3D8I"), variant("C3D8R"));
+        assert!(matches!(Shape::of("M3D4R"), Some(Shape::Membrane(_))));
+        assert!(matches!(Shape::of("SFM3D4R"), Some(Shape::Facet(_))));
         for name in [
             "C3D27", "C3D15V", "C3D", "U1", "CONN3D2", "T3D3", "C3Dé", "", "DS",
         ] {

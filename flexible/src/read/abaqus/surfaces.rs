@@ -105,7 +105,7 @@ fn add_faces(
         };
         let (kind, solid) = match element.shape {
             Shape::Solid(kind, _) => (kind, true),
-            Shape::Shell(kind) | Shape::Facet(kind) => (kind, false),
+            Shape::Shell(kind) | Shape::Membrane(kind) | Shape::Facet(kind) => (kind, false),
             _ => {
                 return Err(row.at.problem(
                     format!("element {} has no faces", element.label),

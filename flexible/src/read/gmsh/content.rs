@@ -15,6 +15,22 @@ use crate::read::labels::Labels;
 /// Dimension and number of a physical group.
 pub(super) type Group = (u8, i64);
 
+/// The name of a group by its number.
+fn short_name(tag: i64) -> String {
+    format!("physical:{tag}")
+}
+
+/// The name of a group whose number groups of other dimensions share.
+pub(super) fn full_name((dimension, tag): Group) -> String {
+    format!("physical:{dimension}:{tag}")
+}
+
+/// Whether a group of another dimension has the number of this one.
+fn is_shared(used: &[Group], (dimension, tag): Group) -> bool {
+    let mut used = used.iter();
+    used.any(|(other, same)| *same == tag && *other != dimension)
+}
+
 /// The contents read so far.
 #[derive(Debug)]
 pub(super) struct Content<'s> {
@@ -54,12 +70,47 @@ impl<'s> Content<'s> {
 
     /// A stated group of shells to which no element belongs.
     pub fn group_without_shells(&self) -> Option<&'s str> {
-        let made = |name: &str| {
-            let mut properties = self.properties.all.iter();
-            properties.any(|own| own.name == name && matches!(own.section, Section::Shell(_)))
-        };
+        let made = |name: &str| self.surfaces_named(name).next().is_some();
         let mut groups = self.shells.groups.iter().map(String::as_str);
         groups.find(|name| !made(name))
+    }
+
+    /// A stated `physical:TAG` that names a group of shells and groups of other dimensions, with its tag.
+    pub fn number_of_several_groups(&self) -> Option<(&'s str, i64)> {
+        let used = self.used_groups();
+        let mut groups = self.shells.groups.iter().map(String::as_str);
+        groups.find_map(|name| {
+            let mut tags = self.surfaces_named(name);
+            let by_number = |tag: &i64| {
+                let own = self.names.get(&(2, *tag));
+                own.is_none_or(|own| own != name) && name == short_name(*tag)
+            };
+            let tag = tags.find(|tag| by_number(tag) && is_shared(&used, (2, *tag)))?;
+            Some((name, tag))
+        })
+    }
+
+    /// The groups with shells that have this name or number. Each element is in all of its groups, also if another one gives
+    /// its property.
+    fn surfaces_named(&self, name: &str) -> impl Iterator<Item = i64> {
+        let shells = self
+            .sets
+            .iter()
+            .filter(|((dimension, _), (_, elements))| *dimension == 2 && !elements.is_empty());
+        let tags = shells.map(|((_, tag), _)| *tag);
+        tags.filter(move |tag| self.is_named(*tag, name))
+    }
+
+    /// Whether a group of surfaces has this name or number.
+    fn is_named(&self, tag: i64, name: &str) -> bool {
+        let own = self.names.get(&(2, tag)).map(String::as_str);
+        own == Some(name) || name == short_name(tag) || name == full_name((2, tag))
+    }
+
+    /// All groups of the file, with elements or a name.
+    fn used_groups(&self) -> Vec<Group> {
+        let named = self.names.keys();
+        self.sets.keys().chain(named).copied().collect()
     }
 
     /// The names of groups of surfaces.
@@ -77,10 +128,8 @@ impl<'s> Content<'s> {
             return None;
         }
         groups.iter().find_map(|group| {
-            let own = self.names.get(&(2, *group));
-            let number = format!("physical:{group}");
             let mut wanted = self.shells.groups.iter();
-            let found = wanted.find(|name| Some(*name) == own || **name == number)?;
+            let found = wanted.find(|name| self.is_named(*group, name))?;
             Some((*group, found.as_str()))
         })
     }
@@ -164,11 +213,11 @@ impl<'s> Content<'s> {
         let dimension = kind.dimension;
         let Some(kind) = kind.kind else {
             let shape = match shell {
-                Some(_) => "surface",
-                None => "volume",
+                Some(_) => "a surface",
+                None => "a volume",
             };
             return Err(stream.problem(
-                format!("element {tag} is a {shape} of type {number}, which Eng does not read"),
+                format!("element {tag} is {shape} of type {number}, which Eng does not read"),
                 "mesh with order 1, or with order 2 and Mesh.SecondOrderIncomplete = 1",
             ));
         };
@@ -220,7 +269,7 @@ impl<'s> Content<'s> {
             None => Some("volumes".into()),
         };
         let property = Property {
-            name: name.unwrap_or_else(|| format!("physical:{}", group.unwrap_or(0))),
+            name: name.unwrap_or_else(|| short_name(group.unwrap_or(0))),
             material: None,
             section: Section::Solid,
         };
@@ -271,18 +320,13 @@ impl<'s> Content<'s> {
     /// number have the names `physical:DIMENSION:TAG`; groups with one name are one set.
     pub fn into_mesh(mut self) -> Mesh {
         let mut sets: BTreeMap<String, Set> = BTreeMap::new();
-        let mut used = self.sets.keys().copied().collect::<Vec<_>>();
-        used.extend(self.names.keys());
+        let used = self.used_groups();
         for ((dimension, tag), (mut nodes, elements)) in std::mem::take(&mut self.sets) {
             nodes.extend(self.mesh.nodes_of_all(&elements));
             let set = Set::new(nodes, elements);
-            let shared = used
-                .iter()
-                .any(|(other, same)| *same == tag && *other != dimension);
-            let number = if shared {
-                format!("physical:{dimension}:{tag}")
-            } else {
-                format!("physical:{tag}")
+            let number = match is_shared(&used, (dimension, tag)) {
+                true => full_name((dimension, tag)),
+                false => short_name(tag),
             };
             let name = self.names.get(&(dimension, tag)).cloned();
             for name in name.into_iter().chain([number]) {

@@ -15,13 +15,14 @@ use crate::error::{FileProblem, FlexibleError};
 use crate::mesh::{Carries, Mesh};
 use crate::read::Files;
 use crate::read::source::whole;
-use content::Content;
+use content::{Content, full_name};
 use stream::Stream;
 
 /// Groups of surfaces that are shells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShellGroups<'a> {
-    /// Their names, or `physical:TAG`.
+    /// Their names, `physical:TAG` or `physical:2:TAG`. Only the last one names a group whose number a group of another
+    /// dimension has too.
     pub groups: &'a [String],
     /// Their thickness, in the unit of length of the file.
     pub thickness: f64,
@@ -114,19 +115,7 @@ pub fn read_msh_with_shells(
         }
         stream.end(&section)?;
     }
-    if let Some(group) = content.group_without_shells() {
-        let known = content.named_surfaces();
-        let known = match known.is_empty() {
-            true => "no group of surfaces has a name".to_owned(),
-            false => format!("groups of surfaces are {}", known.join(", ")),
-        };
-        return Err(whole(
-            name,
-            format!("the group {group} has no triangle and no quadrangle; {known}"),
-            "correct the name in `shells`, or give the surface a physical group before meshing",
-        )
-        .into());
-    }
+    check_shells(name, &content)?;
     if content.mesh.elements.is_empty() {
         return Err(whole(
             name,
@@ -136,6 +125,30 @@ pub fn read_msh_with_shells(
         .into());
     }
     Ok(content.into_mesh())
+}
+
+/// Each stated group of shells has elements, and its name means one group.
+fn check_shells(file: &str, content: &Content<'_>) -> Result<(), FileProblem> {
+    if let Some(group) = content.group_without_shells() {
+        let known = content.named_surfaces();
+        let known = match known.is_empty() {
+            true => "no group of surfaces has a name".to_owned(),
+            false => format!("groups of surfaces are {}", known.join(", ")),
+        };
+        return Err(whole(
+            file,
+            format!("the group {group} has no triangle and no quadrangle; {known}"),
+            "correct the name in `shells`, or give the surface a physical group before meshing",
+        ));
+    }
+    if let Some((group, tag)) = content.number_of_several_groups() {
+        return Err(whole(
+            file,
+            format!("groups of several dimensions have the number of {group} in `shells`"),
+            format!("write {} for its surfaces", full_name((2, tag))),
+        ));
+    }
+    Ok(())
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -29,6 +29,7 @@ pub use super::universal::read_unv_modes;
 pub(crate) use coordinate::of_pairs;
 pub use coordinate::{read_abaqus_matrix, read_calculix_freedoms, read_calculix_matrix};
 pub use frd::read_frd_modes;
+pub(super) use modes::DOUBLE_DIGITS;
 pub use modes::{ForeignMode, ForeignModes, ShapeFrame};
 pub use op2::{read_op2_matrix, read_op2_modes};
 pub use op4::read_op4;

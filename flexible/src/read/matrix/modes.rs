@@ -12,6 +12,9 @@ pub enum ShapeFrame {
     Basic,
 }
 
+/// Digits of double precision, which need no warning.
+pub(in crate::read) const DOUBLE_DIGITS: u32 = 15;
+
 /// A mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForeignMode {
@@ -49,9 +52,7 @@ impl ForeignModes {
             modes: Vec::new(),
             frame,
             digits,
-            warnings: vec![format!(
-                "{file}: shapes have {digits} digits, so invariants and orthogonality of modes have no more digits"
-            )],
+            warnings: Vec::new(),
         }
     }
 
@@ -84,8 +85,8 @@ impl ForeignModes {
         Ok(())
     }
 
-    /// The modes, if there are any.
-    pub(in crate::read) fn finish(self, advice: &str) -> Result<Self, FileProblem> {
+    /// The modes, if there are any, with a warning about few digits.
+    pub(in crate::read) fn finish(mut self, advice: &str) -> Result<Self, FileProblem> {
         if self.nodes.is_empty() || self.modes.is_empty() {
             return Err(whole(&self.file, "contains no mode shape", advice));
         }
@@ -98,6 +99,13 @@ impl ForeignModes {
                 format!("lists node {node} twice in a mode"),
                 "write the file again in one part; it is damaged, or it was written in parts",
             ));
+        }
+        let (file, digits) = (&self.file, self.digits);
+        if digits < DOUBLE_DIGITS {
+            let warning = format!(
+                "{file}: shapes have {digits} digits, so invariants and orthogonality of modes have no more digits"
+            );
+            self.warnings.insert(0, warning);
         }
         Ok(self)
     }

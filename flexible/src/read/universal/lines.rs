@@ -113,6 +113,17 @@ impl Record {
         Ok(values)
     }
 
+    /// The most digits that a real number of the line has before its exponent, from the first one above zero.
+    pub fn digits(&self) -> u32 {
+        let words = self.text.split_ascii_whitespace();
+        let count = |word: &str| {
+            let word = word.trim_start_matches(['+', '-', '0', '.']);
+            let digits = word.chars().take_while(|c| c.is_ascii_digit() || *c == '.');
+            digits.filter(char::is_ascii_digit).count() as u32 // of one line
+        };
+        words.map(count).max().unwrap_or(0)
+    }
+
     fn integer(&self, text: &str) -> Result<i64, FileProblem> {
         number::integer(text)
             .ok_or_else(|| self.problem(format!("\"{}\" is no whole number", short(text)), AGAIN))
@@ -211,31 +222,38 @@ impl<'f> Lines<'f> {
     }
 
     /// The beginning of the next dataset; `None` at the end of the file. Remarks between datasets, which some programs write,
-    /// are left out. A remark begins with a letter, data do not.
+    /// are left out. A remark begins with a letter, data do not. A dataset must follow it: otherwise it may be text of a
+    /// dataset that a stray -1 ends early.
     pub fn next(&mut self) -> Result<Option<Head>, FileProblem> {
+        let mut remark: Option<(String, At)> = None;
         let (text, at) = loop {
             let Some((text, at)) = self.line_with_text()? else {
-                return Ok(None);
+                return match remark {
+                    Some((text, at)) => Err(outside(&text, &at)),
+                    None => Ok(None),
+                };
             };
             let words = text.trim_start().starts_with(|c: char| c.is_alphabetic());
             if !(words && self.head.number > 0) {
                 break (text, at);
             }
+            remark.get_or_insert((text, at));
         };
         if text.trim() != BRACKET {
-            return Err(at.problem(
-                format!("\"{}\" is outside a dataset", short(&text)),
-                "write the file again; a line -1 begins and ends each dataset",
-            ));
+            let (text, at) = remark.unwrap_or((text, at));
+            return Err(outside(&text, &at));
         }
         let found = self.line_with_text()?;
         let (text, at) = found.unwrap_or((String::new(), at));
-        let head = head(text.trim(), &at).ok_or_else(|| {
-            at.problem(
-                format!("\"{}\" is no number of a dataset", short(&text)),
-                "write the file again; the number of the dataset follows the line -1 that begins it",
-            )
-        })?;
+        let Some(head) = head(text.trim(), &at) else {
+            return Err(match remark {
+                Some((text, at)) => outside(&text, &at),
+                None => at.problem(
+                    format!("\"{}\" is no number of a dataset", short(&text)),
+                    "write the file again; the number of the dataset follows the line -1 that begins it",
+                ),
+            });
+        };
         self.head = head.clone();
         Ok(Some(head))
     }
@@ -289,6 +307,14 @@ impl<'f> Lines<'f> {
         while self.record()?.is_some() {}
         Ok(())
     }
+}
+
+/// The problem of a line between datasets.
+fn outside(text: &str, at: &At) -> FileProblem {
+    at.problem(
+        format!("\"{}\" is outside a dataset", short(text)),
+        "write the file again; a line -1 begins and ends each dataset",
+    )
 }
 
 /// The number of a dataset, and for a binary one the order of bytes, the format of numbers, and the lines and

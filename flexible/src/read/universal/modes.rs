@@ -9,7 +9,7 @@
 use super::lines::{AGAIN, BRACKET, Head, Lines, Record};
 use crate::error::FileProblem;
 use crate::read::Files;
-use crate::read::matrix::{COMPLEX, ForeignModes, ShapeFrame};
+use crate::read::matrix::{COMPLEX, DOUBLE_DIGITS, ForeignModes, ShapeFrame};
 
 /// The type of an analysis for normal modes.
 const NORMAL_MODES: i64 = 2;
@@ -19,10 +19,12 @@ const MOTIONS: [i64; 2] = [2, 3];
 const DISPLACEMENT: i64 = 8;
 /// The types of data of complex numbers, in single and in double precision.
 const COMPLEX_NUMBERS: [i64; 2] = [5, 6];
+/// The types of data of double precision, real and complex.
+const DOUBLE_PRECISION: [i64; 2] = [4, 6];
 /// The location of results at nodes in dataset 2414.
 const AT_NODES: i64 = 1;
-/// Digits of a value, which has 13 columns with an exponent.
-const DIGITS: u32 = 6;
+/// Digits of a value in single precision, which has 13 columns with an exponent.
+const SINGLE_DIGITS: u32 = 6;
 
 /// The heading of a mode.
 struct Heading {
@@ -30,10 +32,17 @@ struct Heading {
     number: i64,
     /// In the inverse of the file's unit of time.
     frequency: f64,
+    kind: Kind,
+}
+
+/// The kind of the values of a mode.
+struct Kind {
     /// Values of a node, 3 or 6.
     values: usize,
     /// Numbers of a value: 2 for a complex one.
     parts: usize,
+    /// Whether the values have double precision.
+    double: bool,
 }
 
 /// Reads the shapes of the normal modes of a universal file.
@@ -43,7 +52,7 @@ struct Heading {
 /// different nodes, or none.
 pub fn read_unv_modes(files: &dyn Files, file: &str) -> Result<ForeignModes, FileProblem> {
     let mut lines = Lines::open(files, file)?;
-    let mut modes = ForeignModes::new(file, ShapeFrame::Basic, DIGITS);
+    let mut modes = ForeignModes::new(file, ShapeFrame::Basic, DOUBLE_DIGITS);
     while let Some(head) = lines.next()? {
         let heading = match head.number {
             55 => heading_of_55(&mut lines, &head)?,
@@ -82,12 +91,12 @@ fn skip_text(lines: &mut Lines, head: &Head, count: usize) -> Result<(), FilePro
 /// mode; the frequency and further real numbers. `None` for other results.
 fn heading_of_55(lines: &mut Lines, head: &Head) -> Result<Option<Heading>, FileProblem> {
     skip_text(lines, head, 5)?;
-    let kind = heading_record(lines, head)?;
-    let Some((values, parts)) = kind_of(&kind)? else {
+    let stated = heading_record(lines, head)?;
+    let Some(kind) = kind_of(&stated)? else {
         return Ok(None);
     };
     let title = "a mode";
-    let record = lines.more(&kind, title)?;
+    let record = lines.more(&stated, title)?;
     let numbers = record.whole_numbers()?;
     let reals = numbers
         .get(1)
@@ -100,8 +109,7 @@ fn heading_of_55(lines: &mut Lines, head: &Head) -> Result<Option<Heading>, File
     Ok(Some(Heading {
         number: numbers.get(3).copied().unwrap_or(0),
         frequency: reals.first().copied().unwrap_or(0.0),
-        values,
-        parts,
+        kind,
     }))
 }
 
@@ -114,25 +122,24 @@ fn heading_of_2414(lines: &mut Lines, head: &Head) -> Result<Option<Heading>, Fi
     let location = heading_record(lines, head)?;
     let [place] = location.head()?;
     skip_text(lines, head, 5)?;
-    let kind = heading_record(lines, head)?;
-    let Some((values, parts)) = kind_of(&kind)?.filter(|_| place == AT_NODES) else {
+    let stated = heading_record(lines, head)?;
+    let Some(kind) = kind_of(&stated)?.filter(|_| place == AT_NODES) else {
         return Ok(None);
     };
     let title = "a mode";
-    let numbers = lines.more(&kind, title)?.whole_numbers()?;
-    lines.more(&kind, title)?;
-    let reals = real_numbers(lines, &kind, (title, 12))?;
+    let numbers = lines.more(&stated, title)?.whole_numbers()?;
+    lines.more(&stated, title)?;
+    let reals = real_numbers(lines, &stated, (title, 12))?;
     Ok(Some(Heading {
         number: numbers.get(5).copied().unwrap_or(0),
         frequency: reals.get(1).copied().unwrap_or(0.0),
-        values,
-        parts,
+        kind,
     }))
 }
 
-/// The values of a node and the numbers of a value, from the model, the analysis, the characteristic, the type of the result,
-/// that of the data, and the number of values. `None` if they are no displacements of normal modes.
-fn kind_of(record: &Record) -> Result<Option<(usize, usize)>, FileProblem> {
+/// The kind of the values, from the model, the analysis, the characteristic, the type of the result, that of the data, and the
+/// number of values. `None` if they are no displacements of normal modes.
+fn kind_of(record: &Record) -> Result<Option<Kind>, FileProblem> {
     let [_, analysis, characteristic, result, data, count] = record.head()?;
     if analysis != NORMAL_MODES || result != DISPLACEMENT || !MOTIONS.contains(&characteristic) {
         return Ok(None);
@@ -141,31 +148,47 @@ fn kind_of(record: &Record) -> Result<Option<(usize, usize)>, FileProblem> {
         true => 2,
         false => 1,
     };
-    match count {
-        3 => Ok(Some((3, parts))),
-        6 => Ok(Some((6, parts))),
-        _ => Err(record.problem(
-            format!("a node has {count} values"),
-            "write three translations, or three translations and three rotations, at each node",
-        )),
-    }
+    let values = match count {
+        3 => 3,
+        6 => 6,
+        _ => {
+            return Err(record.problem(
+                format!("a node has {count} values"),
+                "write three translations, or three translations and three rotations, at each node",
+            ));
+        }
+    };
+    let double = DOUBLE_PRECISION.contains(&data);
+    Ok(Some(Kind {
+        values,
+        parts,
+        double,
+    }))
 }
 
-/// Reads the nodes of a mode.
+/// Reads the nodes of a mode. A program may write double precision with few digits: the shape has those of its longest value.
 fn shape(
     lines: &mut Lines,
     heading: &Heading,
     modes: &mut ForeignModes,
 ) -> Result<(), FileProblem> {
     let mut rows = Vec::new();
+    let mut digits = SINGLE_DIGITS;
+    let kind = &heading.kind;
     while let Some(record) = lines.record()? {
         let [node] = record.head()?;
         let node = record.label(node, "a node")?;
         let title = format!("node {node}");
-        let count = heading.values * heading.parts;
-        let values = real_numbers(lines, &record, (&title, count))?;
+        let count = kind.values * kind.parts;
+        let mut values = Vec::with_capacity(count);
+        while values.len() < count {
+            let line = more_numbers(lines, &record, (&title, count), &mut values)?;
+            if kind.double {
+                digits = digits.max(line.digits());
+            }
+        }
         let mut row = [0.0; 6];
-        for (to, value) in row.iter_mut().zip(values.chunks_exact(heading.parts)) {
+        for (to, value) in row.iter_mut().zip(values.chunks_exact(kind.parts)) {
             let [real, imaginary @ ..] = value else {
                 continue;
             };
@@ -176,6 +199,7 @@ fn shape(
         }
         rows.push((node, row));
     }
+    modes.digits = modes.digits.min(digits);
     let following = modes.modes.len() as u64 + 1;
     let number = u64::try_from(heading.number).ok().filter(|n| *n > 0);
     let angular = 2.0 * std::f64::consts::PI * heading.frequency;
@@ -190,14 +214,25 @@ fn real_numbers(
 ) -> Result<Vec<f64>, FileProblem> {
     let mut found = Vec::with_capacity(count);
     while found.len() < count {
-        let record = lines.more(first, title)?;
-        found.extend(record.real_numbers()?);
-        if found.len() > count {
-            return Err(record.problem(
-                format!("{title} has {} numbers instead of {count}", found.len()),
-                AGAIN,
-            ));
-        }
+        more_numbers(lines, first, (title, count), &mut found)?;
     }
     Ok(found)
+}
+
+/// Adds the real numbers of the next line to those of an object that `first` begins.
+fn more_numbers(
+    lines: &mut Lines,
+    first: &Record,
+    (title, count): (&str, usize),
+    found: &mut Vec<f64>,
+) -> Result<Record, FileProblem> {
+    let record = lines.more(first, title)?;
+    found.extend(record.real_numbers()?);
+    if found.len() > count {
+        return Err(record.problem(
+            format!("{title} has {} numbers instead of {count}", found.len()),
+            AGAIN,
+        ));
+    }
+    Ok(record)
 }

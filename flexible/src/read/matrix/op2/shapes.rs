@@ -9,7 +9,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::{COMPLEX, ForeignModes, ShapeFrame};
+use super::super::{COMPLEX, DOUBLE_DIGITS, ForeignModes, ShapeFrame};
 use super::blocks::{Block, Blocks};
 use crate::error::FileProblem;
 
@@ -132,10 +132,8 @@ impl Shapes {
         } else {
             ShapeFrame::Basic
         };
-        let mut modes = ForeignModes::new(file, frame, if key_bytes == 4 { 7 } else { 15 });
-        if key_bytes == 8 {
-            modes.warnings.clear();
-        }
+        let digits = if key_bytes == 4 { 7 } else { DOUBLE_DIGITS };
+        let mut modes = ForeignModes::new(file, frame, digits);
         let subcase = self.shapes.first().map(|shape| shape.subcase);
         let mut passed = 0;
         for shape in self.shapes {
