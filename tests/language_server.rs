@@ -201,6 +201,14 @@ impl Editor {
         )
     }
 
+    /// The response to another name for the one at the first place of `mark`.
+    fn renamed(&mut self, uri: &str, text: &str, mark: &str, name: &str) -> Value {
+        let position = place(text, of(text, mark) + 1);
+        let params =
+            json!({ "textDocument": { "uri": uri }, "position": position, "newName": name });
+        self.response("textDocument/rename", &params)
+    }
+
     /// The labels that come next in a text with `mark` at the place.
     fn labels(&mut self, uri: &str, text: &str, mark: &str) -> Vec<String> {
         let found = self.at("textDocument/completion", uri, text, mark, mark.len());
@@ -838,6 +846,97 @@ fn uses_and_new_names_go_through_all_texts() {
     let refused = editor.response("textDocument/rename", &params);
     assert!(refused["error"]["message"].is_string(), "{refused}");
     editor.end();
+}
+
+/// A class states the functions that its interface requires under names of its own.
+#[test]
+fn a_new_name_keeps_texts_without_a_use() {
+    let mut editor = Editor::start("interface");
+    let stop = "interface Stop {
+    param a: Marker
+    param b: Marker
+    fn push(depth: Length) -> Force
+    let depth = dot(b.origin - a.origin, b.z)
+    apply force push(depth)*b.z on a against b
+    output load = push(depth) as N
+}
+";
+    let class = "use stop.Stop
+force LinearStop(stiffness: Stiffness) : Stop {
+    fn push(depth: Length) -> Force = stiffness*depth
+}
+";
+    // no editor has opened the class
+    std::fs::write(editor.folder.join("class.eng"), class).expect("a file");
+    let uri = editor.open("stop.eng", stop);
+    assert!(editor.messages(&uri).is_empty());
+    for (mark, name) in [("push(depth: ", "thrust"), ("load", "stiffness")] {
+        let response = editor.renamed(&uri, stop, mark, name);
+        let words = response["error"]["message"].as_str().expect("a refusal");
+        assert!(words.contains("class.eng"), "{name}: {words}");
+    }
+    let response = editor.renamed(&uri, stop, "load", "reaction");
+    let after = edited(stop, &response["result"]["changes"][&uri]);
+    assert_eq!(after, stop.replace("load", "reaction"), "{response}");
+    editor.end();
+}
+
+#[test]
+fn a_name_with_uses_that_are_not_read_is_kept() {
+    let mut editor = Editor::start("many");
+    let part = "fn twice(x: Length) -> Length = 2*x\n";
+    let deep = "a/b/c/d/e";
+    std::fs::create_dir_all(editor.folder.join(deep)).expect("a folder");
+    std::fs::write(editor.folder.join(deep).join("deep.eng"), part).expect("a file");
+    let text = "use a.b.c.d.e.deep.twice\nconst three = 3 mm\nconst six = twice(x: three)\n";
+    let uri = editor.open("main.eng", text);
+    let response = editor.renamed(&uri, text, "twice(x", "double");
+    let words = response["error"]["message"].as_str().expect("a refusal");
+    assert!(words.contains("4 folders below"), "{words}");
+    let response = editor.renamed(&uri, text, "three", "third");
+    let after = edited(text, &response["result"]["changes"][&uri]);
+    assert_eq!(after, text.replace("three", "third"), "{response}");
+
+    for number in 0..500 {
+        let file = editor.folder.join(format!("other_{number}.eng"));
+        std::fs::write(file, "const one = 1\n").expect("a file");
+    }
+    let response = editor.renamed(&uri, text, "three", "third");
+    let words = response["error"]["message"].as_str().expect("a refusal");
+    assert!(words.contains("more than 500 texts"), "{words}");
+    let found = editor.at("textDocument/references", &uri, text, "three", 1);
+    assert_eq!(found.as_array().map(Vec::len), Some(2), "{found}");
+    editor.end();
+}
+
+#[test]
+fn names_taken_one_by_one_hide_those_of_whole_modules() {
+    let mut editor = Editor::start("precedence");
+    let single = "fn scaled(x: Length) -> Length = 3*x\n";
+    let whole = "const short = 1 mm\nfn scaled(x: Length) -> Length = 2*x\n";
+    for (name, text) in [("whole.eng", whole), ("single.eng", single)] {
+        std::fs::write(editor.folder.join(name), text).expect("a file");
+    }
+    let text = "use whole.*\nuse single.scaled\nconst long = scaled(x: short)\n";
+    let uri = editor.open("main.eng", text);
+    assert!(editor.messages(&uri).is_empty());
+    let found = editor.at("textDocument/definition", &uri, text, "scaled(x", 1);
+    assert_eq!(found["uri"], editor.uri("single.eng").as_str(), "{found}");
+    editor.end();
+}
+
+/// An editor that sends `exit` without `shutdown` gets to know that this was no proper end.
+#[test]
+fn an_end_without_shutdown_is_an_error() {
+    let mut editor = Editor::start("exit");
+    editor.tell("exit", &Value::Null);
+    drop(editor.input.take());
+    let status = editor.child.wait().expect("an end");
+    let mut words = String::new();
+    let errors = editor.child.stderr.as_mut().expect("an error output");
+    errors.read_to_string(&mut words).expect("words");
+    assert!(words.contains("without `shutdown`"), "{words}");
+    assert_eq!(status.code(), Some(1));
 }
 
 #[test]

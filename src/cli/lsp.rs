@@ -25,6 +25,11 @@ pub(super) fn lsp(console: &mut Terminal<'_>) -> Result<(), Stop> {
                         None => ServerError::Protocol(broken).to_string(),
                     })
                 }
+                // the protocol asks for this code
+                Err(error @ ServerError::Ended) => {
+                    writeln!(console.errors, "error: {error}")?;
+                    return Err(Stop::Code(1));
+                }
                 Err(error) => Err(error.to_string()),
             }
         }

@@ -1,6 +1,6 @@
 //! Words that may come next.
 
-use super::channels::next_names;
+use super::channels::Channels;
 use super::document::Document;
 use super::due::{begins_argument, dimension_at};
 use super::hover::{about, head};
@@ -25,12 +25,22 @@ mod kinds {
     pub const KEYWORD: u32 = 14;
 }
 
-/// The words that may come next at a place. `known` is the last program without errors, and the types of the last text
-/// that was checked.
+/// What the checks of a text have found.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'k> {
+    /// The last program without errors.
+    pub program: Option<&'k Program>,
+    /// The recorded channels of this program.
+    pub channels: &'k Channels,
+    /// The types of the last text that was checked.
+    pub typed: Option<&'k TypedProgram>,
+}
+
+/// The words that may come next at a place.
 pub(super) fn completion(
     index: &Index<'_>,
     document: &Document,
-    known: (Option<&Program>, Option<&TypedProgram>),
+    known: Known<'_>,
     place: usize,
 ) -> Value {
     let before = document.text.get(..place).unwrap_or("");
@@ -47,7 +57,7 @@ pub(super) fn completion(
     } else if head.ends_with('.') && !head.ends_with("..") {
         members(index, known, &document.text, place - word)
     } else if wants_unit(head, &line[line.len() - word..]) {
-        units(index, known.1, &document.text, place)
+        units(index, known.typed, &document.text, place)
     } else {
         words(index, &document.text, place)
     };
@@ -123,12 +133,7 @@ fn of_marker() -> impl Iterator<Item = Value> {
 }
 
 /// The names that can be read after the path before a dot.
-fn members(
-    index: &Index<'_>,
-    (program, typed): (Option<&Program>, Option<&TypedProgram>),
-    text: &str,
-    place: usize,
-) -> Vec<Value> {
+fn members(index: &Index<'_>, known: Known<'_>, text: &str, place: usize) -> Vec<Value> {
     let names = names_before(text, place);
     let Some((last, base)) = names.split_last() else {
         return Vec::new();
@@ -138,7 +143,7 @@ fn members(
         found.filter(|found| is_kind(*found, &[Kind::Analysis]))
     });
     if analysis.is_some() {
-        return recorded(index, program, &names, place);
+        return recorded(index, known, &names, place);
     }
     let Some(found) = index.resolve(&names, place) else {
         let base = index.resolve(base, place);
@@ -163,7 +168,7 @@ fn members(
     items.extend(built_in(index, found));
     let output = matches!(found.item().map(|item| &item.kind),
         Some(ItemKind::Binding(binding)) if binding.kind == BindingKind::Output);
-    match typed.and_then(|typed| type_of(index, typed, found)) {
+    match known.typed.and_then(|typed| type_of(index, typed, found)) {
         // an output has the axes that its class states; other vectors have none
         Some(ValueType::Vector(_)) if output => items.extend(components(3)),
         Some(ValueType::Components(count, _)) if *count <= 3 => {
@@ -256,16 +261,12 @@ fn type_of<'t>(
 
 /// The names that come next on the path of a recorded channel: those of the last program without errors, otherwise
 /// those of the text.
-fn recorded(
-    index: &Index<'_>,
-    program: Option<&Program>,
-    names: &[String],
-    place: usize,
-) -> Vec<Value> {
+fn recorded(index: &Index<'_>, known: Known<'_>, names: &[String], place: usize) -> Vec<Value> {
     let Some((analysis, path)) = names.split_first() else {
         return Vec::new();
     };
-    if let Some(next) = program.and_then(|program| next_names(program, analysis, path)) {
+    let of_program = |program| known.channels.next_names(program, analysis, path);
+    if let Some(next) = known.program.and_then(of_program) {
         let next = next.into_iter();
         return next
             .map(|(name, unit)| match unit {

@@ -108,8 +108,8 @@ pub(super) fn path(uri: &str) -> Option<PathBuf> {
         }
     }
     let decoded = String::from_utf8(bytes).ok()?;
-    // `/c:/model.eng` on Windows
-    let drive = decoded.as_bytes().get(2) == Some(&b':');
+    // `/c:/model.eng` on Windows; elsewhere a folder may have such a name
+    let drive = cfg!(windows) && decoded.as_bytes().get(2) == Some(&b':');
     let path = PathBuf::from(match drive {
         true => decoded.get(1..)?,
         false => decoded.as_str(),
@@ -191,5 +191,9 @@ mod tests {
         let file = folder.join("an engine %41 µ.eng");
         assert_eq!(path(&uri(&file)), Some(file));
         assert_eq!(path("untitled:Untitled-1"), None);
+        if cfg!(unix) {
+            let folder = PathBuf::from("/a:b/model.eng");
+            assert_eq!(path("file:///a:b/model.eng"), Some(folder));
+        }
     }
 }

@@ -231,7 +231,8 @@ impl<'l> Index<'l> {
         found
     }
 
-    /// The modules that a module uses, with the names that it takes; no names for the prelude, which gives all.
+    /// The modules that a module uses, with the names that it takes; no names for the prelude, which gives all. Names of
+    /// the first ones hide those of the later ones.
     fn used(&self, number: usize) -> Vec<(usize, Option<&UseNames>)> {
         let mut used = Vec::new();
         let Some(module) = self.module(number) else {
@@ -252,6 +253,12 @@ impl<'l> Index<'l> {
                 .filter(|prelude| *prelude != number)
                 .map(|found| (found, None)),
         );
+        // as in the compiler: names taken one by one hide those of `.*`, and all of them hide the prelude's
+        used.sort_by_key(|(_, names)| match names {
+            Some(UseNames::Some(_)) => 0,
+            Some(UseNames::All) => 1,
+            None => 2,
+        });
         used
     }
 

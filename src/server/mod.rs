@@ -31,12 +31,13 @@ pub use transport::{Transport, standard};
 
 use crate::Program;
 use crate::sources::Sources;
+use channels::Channels;
 use checks::{Checker, Depth, Found, Job};
 use crossbeam_channel::{after, never, select};
 use document::Document;
 use eng_compiler::typed::TypedProgram;
 use index::Library;
-use lsp_server::{Connection, Message, Notification, ProtocolError};
+use lsp_server::{Connection, Message, Notification, ProtocolError, RequestId, Response};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -63,6 +64,15 @@ pub enum ServerError {
     /// The client breaks the protocol, or the connection breaks.
     #[error("the editor broke the protocol: {0}")]
     Protocol(#[from] ProtocolError),
+    /// The client sends another message than `initialized` after the answer to its first one.
+    #[error("the editor broke the protocol: it must send `initialized` before other messages")]
+    NotInitialized,
+    /// The client closes the connection before it has received the answer to its first message, or right after it.
+    #[error("the editor closed the connection at its start")]
+    Closed,
+    /// The client sends `exit` without `shutdown`.
+    #[error("the editor ended the server without `shutdown`")]
+    Ended,
     /// There is no thread for checks.
     #[error("no thread for checks: {0}")]
     Thread(#[from] std::io::Error),
@@ -78,7 +88,7 @@ pub fn serve(connection: &Connection, folders: Folders) -> Result<(), ServerErro
         "capabilities": capabilities(),
         "serverInfo": { "name": "eng", "version": env!("CARGO_PKG_VERSION") },
     });
-    connection.initialize_finish(id, about)?;
+    initialized(connection, id, about)?;
     let mut server = Server {
         connection,
         folders,
@@ -92,7 +102,21 @@ pub fn serve(connection: &Connection, folders: Folders) -> Result<(), ServerErro
             Checker::start(Depth::Assembly)?,
         ],
     };
-    Ok(server.run()?)
+    server.run()
+}
+
+/// Answers the first message of a client, and waits for its `initialized`. `Connection::initialize_finish` does the same,
+/// but panics if the client has closed its end.
+fn initialized(connection: &Connection, id: RequestId, about: Value) -> Result<(), ServerError> {
+    let answer = Message::from(Response::new_ok(id, about));
+    let sent = connection.sender.send(answer);
+    sent.map_err(|_| ServerError::Closed)?;
+    match connection.receiver.recv() {
+        Ok(Message::Notification(one)) if one.method == "initialized" => Ok(()),
+        Ok(Message::Notification(one)) if one.method == "exit" => Err(ServerError::Ended),
+        Ok(_) => Err(ServerError::NotInitialized),
+        Err(_) => Err(ServerError::Closed),
+    }
 }
 
 fn capabilities() -> Value {
@@ -134,6 +158,8 @@ struct Open {
     shown: Option<(u64, Depth, Vec<Value>)>,
     /// The last program without errors.
     program: Option<Program>,
+    /// The recorded channels of this program.
+    channels: Channels,
     /// Names, units and types of the last text that was checked.
     typed: Option<Arc<TypedProgram>>,
     /// The changes that its messages propose: range, title, new text.
@@ -175,7 +201,7 @@ fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
 }
 
 impl Server<'_> {
-    fn run(&mut self) -> Result<(), ProtocolError> {
+    fn run(&mut self) -> Result<(), ServerError> {
         loop {
             let timer = match self.first_due() {
                 Some((at, ..)) => after(at.saturating_duration_since(Instant::now())),
@@ -199,8 +225,10 @@ impl Server<'_> {
                 Event::Due => self.check_due(),
                 Event::Found(depth, found) => {
                     self.checkers[depth as usize].busy = false;
-                    if let Some(found) = found {
-                        self.show(found);
+                    match found {
+                        Some(found) => self.show(found),
+                        // a channel without its thread would be ready for ever
+                        None => self.checkers[depth as usize].found = never(),
                     }
                 }
             }
@@ -208,7 +236,7 @@ impl Server<'_> {
     }
 
     /// Handles a message. Returns whether further ones may come.
-    fn goes_on(&mut self, message: Message) -> Result<bool, ProtocolError> {
+    fn goes_on(&mut self, message: Message) -> Result<bool, ServerError> {
         match message {
             Message::Request(request) => {
                 if self.connection.handle_shutdown(&request)? {
@@ -217,7 +245,7 @@ impl Server<'_> {
                 self.answer(request);
             }
             Message::Notification(notification) if notification.method == "exit" => {
-                return Ok(false);
+                return Err(ServerError::Ended);
             }
             Message::Notification(notification) => self.notified(&notification),
             Message::Response(_) => {}
@@ -273,6 +301,7 @@ impl Server<'_> {
             due: [now, None, now],
             shown: None,
             program: None,
+            channels: Channels::default(),
             typed: None,
             fixes: Vec::new(),
         };
@@ -338,7 +367,10 @@ impl Server<'_> {
             return;
         }
         open.typed = found.typed.or(open.typed.take());
-        open.program = found.program.or(open.program.take());
+        if let Some(program) = found.program {
+            open.program = Some(program);
+            open.channels = Channels::default();
+        }
         if found.failed {
             // it would find the same mistakes
             open.due[Depth::Models as usize] = None;

@@ -8,9 +8,11 @@ use super::{Server, document};
 use eng_grammar::{Diagnostics, SourceId, parse};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-/// Most folders below each other, and most files, in which uses are sought. The numbers are choices.
+/// Most folders below each other, and most files, in which uses are sought. The numbers are choices. A name with uses
+/// beyond them keeps its name.
 const DEEPEST_FOLDER: usize = 4;
 const MOST_FILES: usize = 500;
 
@@ -69,6 +71,7 @@ impl Server<'_> {
             return Value::Null;
         };
         let mut locations = Vec::new();
+        // some uses are better than none, also in a folder with too many texts
         for uses in self.uses(document, &definition, &BTreeMap::new()) {
             let (uri, text) = (self.name_of(&uses.document), &uses.document.text);
             let wanted = uses.places.iter().filter(|(.., defines)| with || !defines);
@@ -94,7 +97,7 @@ impl Server<'_> {
     ///
     /// # Errors
     /// The reason why it cannot be changed: a name of the library, a text with mistakes, a name that has another meaning
-    /// already.
+    /// already, or more texts than are read.
     pub(super) fn renamed(
         &self,
         document: &Document,
@@ -107,6 +110,14 @@ impl Server<'_> {
         if !begins || !name.chars().all(letters) || eng_grammar::WORDS.contains(&name) {
             return Err(format!("`{name}` cannot be a name"));
         }
+        let (around, whole) = self.texts_around(document, &BTreeMap::new());
+        if !whole || !self.has_read(document, &definition) {
+            return Err(format!(
+                "the folder has more than {MOST_FILES} texts, or `{}` is in a hidden folder or more than {DEEPEST_FOLDER} \
+                 folders below it; open a smaller one",
+                definition.name
+            ));
+        }
         let uses = self.uses(document, &definition, &BTreeMap::new());
         for one in &uses {
             let mut messages = Diagnostics::new();
@@ -116,7 +127,7 @@ impl Server<'_> {
                 return Err(format!("{text} has mistakes; mend them first"));
             }
         }
-        self.keeps_its_meaning(document, &definition, &uses, name)?;
+        self.keeps_its_meaning(document, &definition, (&uses, &around), name)?;
         let mut changes = Map::new();
         for one in &uses {
             let text = &one.document.text;
@@ -129,13 +140,13 @@ impl Server<'_> {
         Ok(json!({ "changes": changes }))
     }
 
-    /// Makes the change in copies of the texts: they have no more errors than before, and the new name has as many
-    /// uses as the old one.
+    /// Makes the change in copies of the texts: they and the texts around have no more errors than before, and the new
+    /// name has as many uses as the old one.
     fn keeps_its_meaning(
         &self,
         document: &Document,
         definition: &Definition,
-        uses: &[Uses],
+        (uses, around): (&[Uses], &[Document]),
         name: &str,
     ) -> Result<(), String> {
         let count = |uses: &[Uses]| uses.iter().map(|one| one.places.len()).sum::<usize>();
@@ -172,24 +183,29 @@ impl Server<'_> {
             version: document.version,
             text: asked,
         };
-        let other_meaning = || {
-            Err(format!(
-                "`{name}` has another meaning at a place of this name"
-            ))
-        };
         if count(&self.uses(&document, &after, &changed)) != count(uses) {
-            return other_meaning();
+            return Err(format!(
+                "`{name}` has another meaning at a place of this name"
+            ));
         }
-        for one in uses {
-            let (sources, file) = self.sources(&one.document);
+        // A class may give the value of an output that the interface in another text requires: its text has the old
+        // name, but no use of this definition. A text with `.*` may get the new name from two others.
+        let old = definition.name.as_str();
+        let concerned =
+            |one: &&Document| [old, name, ".*"].iter().any(|part| one.text.contains(part));
+        for one in around.iter().filter(concerned) {
+            let (sources, file) = self.sources(one);
             let before = errors(sources, file);
-            let now = match one.document.path {
-                Some(_) => &one.document,
+            let now = match one.path {
+                Some(_) => one,
                 None => &document,
             };
             let (sources, file) = self.sources_with(now, &changed);
             if errors(sources, file) > before {
-                return other_meaning();
+                let text = self.name_of(one);
+                return Err(format!(
+                    "`{name}` has another meaning in {text}, or this text needs the name `{old}`"
+                ));
             }
         }
         Ok(())
@@ -225,7 +241,8 @@ impl Server<'_> {
         changed: &BTreeMap<PathBuf, String>,
     ) -> Vec<Uses> {
         let mut found = Vec::new();
-        for text in self.texts_around(document, changed) {
+        let (around, _) = self.texts_around(document, changed);
+        for text in around {
             if !text.text.contains(&definition.name) {
                 continue;
             }
@@ -253,12 +270,33 @@ impl Server<'_> {
         found
     }
 
-    /// The document, and the files of its folder and of the client's folder around it.
+    /// The folder of the client around a document, otherwise its own folder; none for a text that is no file.
+    fn folder_around<'p>(&'p self, document: &'p Document) -> Option<&'p Path> {
+        let path = document.path.as_ref()?;
+        let mut roots = self.roots.iter().filter(|root| path.starts_with(root));
+        roots.next().map(PathBuf::as_path).or(path.parent())
+    }
+
+    /// Whether the texts around a document include all that can see a definition, if they are not too many. A text sees
+    /// the files of its folder and below. So those that see a file are in its folder and in the ones above.
+    fn has_read(&self, document: &Document, definition: &Definition) -> bool {
+        let (Home::File(file), Some(folder)) = (&definition.home, self.folder_around(document))
+        else {
+            return true;
+        };
+        let below = file.parent().and_then(|of| of.strip_prefix(folder).ok());
+        below.is_some_and(|below| {
+            below.iter().count() <= DEEPEST_FOLDER && !below.iter().any(is_hidden)
+        })
+    }
+
+    /// The document, and the files of its folder and of the client's folder around it; and whether these files are not
+    /// too many.
     fn texts_around(
         &self,
         document: &Document,
         changed: &BTreeMap<PathBuf, String>,
-    ) -> Vec<Document> {
+    ) -> (Vec<Document>, bool) {
         let mut texts = vec![Document {
             uri: document.uri.clone(),
             path: document.path.clone(),
@@ -266,14 +304,11 @@ impl Server<'_> {
             text: document.text.clone(),
         }];
         let Some(path) = &document.path else {
-            return texts;
+            return (texts, true);
         };
-        let mut roots = self.roots.iter().filter(|root| path.starts_with(root));
-        let folder = roots.next().map(PathBuf::as_path).or(path.parent());
         let mut files = Vec::new();
-        if let Some(folder) = folder {
-            files_below(folder, DEEPEST_FOLDER, &mut files);
-        }
+        let folder = self.folder_around(document);
+        let whole = folder.is_none_or(|folder| files_below(folder, DEEPEST_FOLDER, &mut files));
         let open = self.documents.values();
         files.extend(open.filter_map(|open| open.document.path.clone()));
         files.sort();
@@ -288,7 +323,7 @@ impl Server<'_> {
             };
             texts.extend(text.map(|text| Document::of_file(&file, text)));
         }
-        texts
+        (texts, whole)
     }
 
     /// The client's name of a text.
@@ -303,28 +338,29 @@ impl Server<'_> {
     }
 }
 
-/// The `.eng` files of a folder and of those below it.
-fn files_below(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) {
+fn is_hidden(name: &OsStr) -> bool {
+    name.to_string_lossy().starts_with('.')
+}
+
+/// Adds the `.eng` files of a folder and of those below it, down to a depth. Returns whether they are not too many.
+fn files_below(folder: &Path, depth: usize, files: &mut Vec<PathBuf>) -> bool {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut folders = Vec::new();
     for entry in entries {
         let path = entry.path();
-        let hidden = entry.file_name().to_string_lossy().starts_with('.');
+        let hidden = is_hidden(&entry.file_name());
         match entry.file_type() {
             Ok(kind) if kind.is_dir() && !hidden => folders.push(path),
             Ok(kind) if kind.is_file() && path.extension().is_some_and(|end| end == "eng") => {
+                if files.len() >= MOST_FILES {
+                    return false;
+                }
                 files.push(path);
             }
             // a link could lead around in a circle
             _ => {}
         }
-        if files.len() >= MOST_FILES {
-            return;
-        }
     }
-    if depth > 0 {
-        folders
-            .iter()
-            .for_each(|folder| files_below(folder, depth - 1, files));
-    }
+    let mut folders = folders.iter();
+    depth == 0 || folders.all(|folder| files_below(folder, depth - 1, files))
 }

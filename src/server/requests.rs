@@ -77,7 +77,14 @@ impl Server<'_> {
                 let name = params["newName"].as_str().unwrap_or("");
                 return Some(self.renamed(document, place, name));
             }
-            _ => completion::completion(&self.index(document), document, (program, typed), place),
+            _ => {
+                let known = completion::Known {
+                    program,
+                    channels: &open.channels,
+                    typed,
+                };
+                completion::completion(&self.index(document), document, known, place)
+            }
         };
         Some(Ok(answer))
     }
