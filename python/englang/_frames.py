@@ -49,13 +49,20 @@ def rows_of(points: object) -> list[dict[str, Any]]:
         if hasattr(points, method):
             return [dict(row) for row in getattr(points, method)()]
     if hasattr(points, "to_dict"):
-        return [dict(row) for row in points.to_dict("records")]
+        return [_stated(row) for row in points.to_dict("records")]
     if isinstance(points, str) or not hasattr(points, "__iter__"):
         raise TypeError(_FORMS)
     rows = list(points)
     if not all(isinstance(row, Mapping) for row in rows):
         raise TypeError(_FORMS)
     return [dict(row) for row in rows]
+
+
+def _stated(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row of pandas without its missing values, which are NaN or `pandas.NA` there."""
+    pandas = imported("pandas")
+    scalar = pandas.api.types.is_scalar
+    return {name: value for name, value in row.items() if not (scalar(value) and pandas.isna(value))}
 
 
 _FORMS = "points are a list of dictionaries, a dictionary of lists, or a frame of pandas or polars"

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from ._program import Analysis, Value
     from ._table import Run
 
-# distance from the limits of the text, which are open, as a share of their range. A choice below all tolerances of
-# manufacture
+# distance from the limits of the text, which are open, as a share of their range, or of the size of a parameter without a
+# range. A choice below all tolerances of manufacture
 INSIDE = 1e-6
 
 
@@ -104,8 +104,8 @@ class Objective:
         """The value; with gradients, the pair of the value and an array of its derivatives by the numbers."""
         import numpy
 
-        gradients = self.parameters if self._gradient else None
-        options = self._options if gradients is None else {**self._options, "gradients": gradients}
+        # none in place of those of the text, which take time and may fail
+        options = {**self._options, "gradients": self.parameters if self._gradient else []}
         self.run = self._analysis.run(self.settings(x), **options)
         self.runs += 1
         found = self._value(self.run)
@@ -160,7 +160,9 @@ def _limits(
                 raise SettingError(f"bounds: the lower bound of {parameter.path} is not below the upper one")
         else:
             low, high = (_si(parameter, limit) for limit in (parameter.lower, parameter.upper))
-            inside = INSIDE * (high - low) if isfinite(high - low) else INSIDE * abs(_si(parameter, parameter.value))
+            # without a range, the largest number at hand: the value alone may be zero
+            known = [abs(number) for number in (low, high, _si(parameter, parameter.value)) if isfinite(number)]
+            inside = INSIDE * (high - low if isfinite(high - low) else max(known, default=0.0))
             low, high = low + inside, high - inside
         limits.append((low, high))
     return limits

@@ -52,12 +52,14 @@ def from_text(text: str, *, name: str = "model.eng", files: Mapping[str, str] | 
 class Program:
     """A checked text: its models, analyses and reports."""
 
-    __slots__ = ("__weakref__", "_native", "_texts")
+    __slots__ = ("__weakref__", "_files", "_native", "_texts")
 
     def __init__(self, native: _native.Program, texts: tuple[str, str, tuple[tuple[str, str], ...]] | None) -> None:
         self._native = native
-        # the arguments of `from_text`; a program of files asks for their contents when it is pickled
+        # the arguments of `from_text`
         self._texts = texts
+        # names and contents of the files of a loaded program, from its first pickling on
+        self._files: tuple[tuple[str, bytes], ...] | None = None
 
     @property
     def file(self) -> str:
@@ -151,8 +153,10 @@ class Program:
     def __reduce__(self) -> tuple[object, ...]:
         if self._texts is not None:
             return (_of_texts, self._texts)
-        files = tuple((name, bytes(content)) for name, content in self._native.contents())
-        return (_of_files, (self.file, files, self._native.source_hash))
+        if self._files is None:
+            # a study pickles the program for each of its tasks: the files are read once
+            self._files = tuple((name, bytes(content)) for name, content in self._native.contents())
+        return (_of_files, (self.file, self._files, self._native.source_hash))
 
 
 def _shared(options: Mapping[str, object], more: set[str]) -> None:
@@ -190,7 +194,7 @@ def _unpacked(file: str, files: tuple[tuple[str, bytes], ...], source_hash: str)
     """The program of files in a folder that lasts as long as the program."""
     import shutil
     import tempfile
-    import weakref
+    from multiprocessing.util import Finalize
     from pathlib import Path
 
     folder = Path(tempfile.mkdtemp(prefix="englang-"))
@@ -205,7 +209,9 @@ def _unpacked(file: str, files: tuple[tuple[str, bytes], ...], source_hash: str)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
-    weakref.finalize(program, shutil.rmtree, folder, ignore_errors=True)
+    # `weakref.finalize` does not run at the end of a worker process, and runs in a forked process that drops the program
+    # of its parent
+    Finalize(program, shutil.rmtree, args=(folder,), kwargs={"ignore_errors": True}, exitpriority=0)
     return program
 
 

@@ -7,7 +7,7 @@ import re
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from . import _display, _native
@@ -25,9 +25,11 @@ Values = Callable[["Run"], "float | Mapping[str, float]"]
 
 # columns about the outcome of a point, behind its numbers
 OUTCOME = ("state", "code", "message", "place")
-# most tasks that a study gives to an executor. A choice: many enough for an even load, few enough that their
-# transport costs little
-TASKS = 256
+# tasks for each worker of an executor. A choice: enough for an even load. Each task carries the program with its files,
+# which may be large meshes
+TASKS_EACH = 4
+# workers of an executor that does not tell their number. A choice: enough tasks for a small cluster
+WORKERS = 64
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,10 @@ class _Point:
     outcome: dict[str, str | None]
 
 
+class _Misnamed(SettingError):
+    """The function of a user names columns that the study has. It ends the study."""
+
+
 @dataclass(frozen=True)
 class _Task:
     """What a process needs for its part of the points."""
@@ -100,6 +106,7 @@ class _Task:
     analysis: Analysis
     values: Values | None
     reports: tuple[str, ...]
+    paths: tuple[str, ...]
     options: Mapping[str, Any]
 
     def all(self, settings: Sequence[Mapping[str, Value]]) -> list[_Point]:
@@ -109,6 +116,8 @@ class _Task:
         """Runs a point. A failure is a result."""
         try:
             numbers, units, message = self.evaluated(self.analysis.run(setting, **self.options))
+        except _Misnamed:
+            raise
         except Exception as error:  # the values of a user may raise anything
             return _failed(error)
         return _Point(numbers, units, {"state": "complete", "code": None, "message": message, "place": None})
@@ -127,8 +136,12 @@ class _Task:
                 numbers[f"report.{name}.holds"] = report.holds
             broken += [c.message for c in report.conditions if not (c.holds or c.advises)]
         if self.values is not None:
-            of_user = self.values(run)
-            numbers.update(of_user if isinstance(of_user, Mapping) else {"value": of_user})
+            found = self.values(run)
+            of_user = found if isinstance(found, Mapping) else {"value": found}
+            taken = [name for name in of_user if name in numbers or name in self.paths or name in OUTCOME]
+            if taken:
+                raise _Misnamed(f"values: {', '.join(taken)} are columns of the study already; choose other names")
+            numbers.update(of_user)
         return numbers, units, "; ".join(broken) or None
 
 
@@ -152,11 +165,9 @@ def studied(
     """See `Program.study`."""
     names = _reports(analysis, values, reports)
     settings, shown, units = _settings(analysis, rows_of(points))
-    if executor is not None:
-        done = _gathered(executor, _Task(analysis, values, names, options), settings)
-    else:
-        done = _in_threads(_Task(analysis, values, names, options), settings)
-    paths = list(dict.fromkeys(path for point in shown for path in point))
+    paths = tuple(dict.fromkeys(path for point in shown for path in point))
+    task = _Task(analysis, values, names, paths, options)
+    done = _in_threads(task, settings) if executor is None else _gathered(executor, task, settings)
     numbers = list(dict.fromkeys(name for point in done for name in point.numbers))
     rows = [
         {path: point.get(path) for path in paths}
@@ -198,17 +209,22 @@ def _settings(
             # a frame has no other sign for a parameter that a point does not set
             if value is None:
                 continue
+            if path in setting:
+                raise SettingError(f"{path} is stated twice")
             parameter = parameters.get(path)
             with_unit = unit is not None and not isinstance(value, str)
             setting[path] = f"{float(value)!r} {unit}" if with_unit else value
             if parameter is None:
                 # a word of a choice
                 point[path] = value
-            elif unit is not None and with_unit:
-                point[path], units[path] = float(value), unit
+                continue
+            if unit is not None and with_unit:
+                point[path] = float(value)
             else:
                 si = _native.si(value) if isinstance(value, str) else float(value)
-                point[path], units[path] = (si - parameter.si_offset) / parameter.si_scale, parameter.unit
+                point[path], unit = (si - parameter.si_offset) / parameter.si_scale, parameter.unit
+            if units.setdefault(path, unit) != unit:
+                raise SettingError(f"{path}: the points have it in {units[path]} and in {unit}; use one of them")
         # a name or a unit that is wrong is a mistake of the caller, not a failure of a point
         analysis.set(setting)
         settings.append(setting)
@@ -224,7 +240,10 @@ def _split(name: str) -> tuple[str, str | None]:
 
 def _gathered(executor: Executor, task: _Task, settings: Sequence[Mapping[str, Value]]) -> list[_Point]:
     """The results of an executor, in the order of the points."""
-    each = -(-len(settings) // TASKS) or 1
+    # threads carry nothing, and end sooner after small tasks
+    known = None if isinstance(executor, ThreadPoolExecutor) else getattr(executor, "_max_workers", None)
+    workers: int = known or WORKERS
+    each = -(-len(settings) // (TASKS_EACH * workers)) or 1
     parts = [settings[begin : begin + each] for begin in range(0, len(settings), each)]
     futures: list[Future[list[_Point]]] = []
     done: list[_Point] = []
@@ -235,6 +254,8 @@ def _gathered(executor: Executor, task: _Task, settings: Sequence[Mapping[str, V
         for future, part in zip(futures, parts, strict=True):
             try:
                 done += future.result()
+            except _Misnamed:
+                raise
             except Exception as error:  # a lost worker costs its points only
                 lost.append(error)
                 done += [_failed(error) for _ in part]
@@ -247,8 +268,8 @@ def _gathered(executor: Executor, task: _Task, settings: Sequence[Mapping[str, V
     return done
 
 
-class _Stopped(Exception):
-    """Ctrl-C has ended the study."""
+class _Stopped(BaseException):
+    """Ctrl-C has ended the study. A point that fails is an `Exception`, after which the study goes on."""
 
 
 def _in_threads(task: _Task, settings: Sequence[Mapping[str, Value]]) -> list[_Point]:
@@ -259,7 +280,7 @@ def _in_threads(task: _Task, settings: Sequence[Mapping[str, Value]]) -> list[_P
         if stopped.is_set():
             raise _Stopped
 
-    watched = _Task(task.analysis, task.values, task.reports, {**task.options, "progress": progress})
+    watched = replace(task, options={**task.options, "progress": progress})
     affinity = getattr(os, "sched_getaffinity", None)
     workers = len(affinity(0)) if affinity is not None else os.cpu_count()
     with ThreadPoolExecutor(workers) as pool:

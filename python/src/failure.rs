@@ -31,7 +31,13 @@ fn of_system(path: &Path, source: &std::io::Error) -> PyErr {
             // Python shows the number itself
             let text = source.to_string();
             let reason = text.split(" (os error").next().unwrap_or_default();
-            PyOSError::new_err((number, reason.to_owned(), path.display().to_string()))
+            let (reason, file) = (reason.to_owned(), path.display().to_string());
+            // a number of Windows is the fourth argument, and Python finds the first one from it
+            #[cfg(windows)]
+            let arguments = (0, reason, file, number);
+            #[cfg(not(windows))]
+            let arguments = (number, reason, file);
+            PyOSError::new_err(arguments)
         }
         None => PyOSError::new_err(format!("{}: {source}", path.display())),
     }

@@ -104,6 +104,26 @@ def test_designs_are_points_of_a_study(mass: eng.Program) -> None:
         free.scale([[0.5]])
 
 
+def test_an_objective_without_gradients_has_none_of_the_text() -> None:
+    text = MASS.replace("sample: 1 ms)", "sample: 1 ms, gradients: [weight])")
+    program = eng.from_text(text)
+    assert list(program.analysis("swing").run().gradients) == ["weight"]
+    objective = program.objective("swing", "extremes.widest", "stiffness", gradient=False)
+    assert objective(objective.start) == pytest.approx(120)
+    assert objective.run is not None and not objective.run.gradients
+
+
+def test_a_bound_stays_inside_of_one_limit() -> None:
+    # the upper limit is infinite in millimetres
+    text = MASS.replace("2 kg in (0 kg, 10 kg)", "2 kg").replace(
+        "param weight", "param height: Length = 0 mm in (-5 mm, 1e308 m)\n    param weight"
+    )
+    objective = eng.from_text(text).objective("swing", len, "height", gradient=False)
+    ((low, high),) = objective.bounds
+    assert low is not None and high is None
+    assert -5e-3 < objective.settings([low])["height"] < -4.9e-3
+
+
 def test_patterns_take_all_their_parameters(mass: eng.Program) -> None:
     objective = mass.objective("swing", place, ["w*", "stiffness", "weight"])
     assert objective.parameters == ["weight", "stiffness"]

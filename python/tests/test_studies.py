@@ -1,9 +1,11 @@
 """Studies over executors, and what travels to other processes."""
 
+import gc
 import math
 import multiprocessing
 import pickle
 import signal
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -19,6 +21,7 @@ from distributed import Client
 
 import englang as eng
 from conftest import MASS, ROOT
+from englang import _program
 
 STIFFNESSES = [1.0, 4.0, 9.0, 16.0]
 
@@ -41,6 +44,27 @@ def wrong(run: eng.Run) -> float:
     if run.metadata["parameter.stiffness"].startswith("4 "):
         raise LookupError("no such thing")
     return 1.0
+
+
+def taken(_run: eng.Run) -> dict[str, float]:
+    """Names that the study has already."""
+    return {"weight": 1.0, "state": 2.0, "other": 3.0}
+
+
+def temporary(place: str) -> None:
+    """Takes a folder for temporary files."""
+    tempfile.tempdir = place
+
+
+def folders_of(program: eng.Program, place: str) -> list[str]:
+    """The folders of programs in a worker process that keeps a program."""
+    return [folder.name for folder in Path(place).glob("englang-*") if (folder / program.file).is_file()]
+
+
+def without_kept_programs() -> None:
+    """A forked process drops the programs of its parent."""
+    _program._KEPT.clear()
+    gc.collect()
 
 
 def expected(stiffness: float) -> float:
@@ -132,6 +156,27 @@ def test_mistakes_of_the_caller_are_errors(mass: eng.Program, processes: Executo
         eng.from_text("model M { param x: Length = 1 mm }\nanalysis a = assemble(M())").study("a", [{}])
 
 
+def test_a_column_has_one_unit(mass: eng.Program) -> None:
+    with pytest.raises(eng.SettingError, match="stiffness: the points have it in N/mm and in N/m; use one of them"):
+        mass.study("swing", [{"stiffness": "4 N/mm"}, {"stiffness [N/m]": 3e3}], values=len)
+    with pytest.raises(eng.SettingError, match="stiffness is stated twice"):
+        mass.study("swing", {"stiffness": ["4 N/mm"], "stiffness [N/mm]": [3.0]}, values=len)
+    points = [{"stiffness": "4 N/mm", "stiffness [N/mm]": None}, {"stiffness": None, "stiffness [N/mm]": 3.0}]
+    assert mass.study("swing", points, values=len)["stiffness"] == [4.0, 3.0]
+
+
+def test_values_have_names_of_their_own(mass: eng.Program, processes: Executor) -> None:
+    for executor in (None, processes):
+        with pytest.raises(eng.SettingError, match="values: weight, state are columns of the study already; choose"):
+            mass.study("swing", {"weight": [1.0, 2.0]}, values=taken, executor=executor)
+
+
+def test_a_missing_value_of_a_frame_is_not_set(mass: eng.Program) -> None:
+    weights = {"weight": pandas.array([1.0, pandas.NA], dtype="Float64"), "stiffness": [math.nan, 4e3]}
+    study = mass.study("swing", pandas.DataFrame(weights), values=len)
+    assert study["weight"] == [1.0, None] and study["stiffness"] == [None, 4.0]
+
+
 def test_a_study_is_a_table(mass: eng.Program) -> None:
     study = mass.study("swing", {"stiffness [N/mm]": STIFFNESSES}, values=period)
     assert study.columns == ["stiffness", "period", "samples", "state", "code", "message", "place"]
@@ -194,12 +239,45 @@ def test_programs_of_files_travel(tmp_path: Path) -> None:
         file.unlink()
     copied = pickle.loads(bytes_of_it)
     assert copied.program.file == "main.eng" and copied.parameters[0].path == "x"
+    # the files are read once
+    assert pickle.dumps(program.analysis("none")) == bytes_of_it
+    main.write_text("use part.shared.Empty\nanalysis none = assemble(Empty())", encoding="utf-8")
+    (tmp_path / "part" / "shared.eng").write_text("model Empty { param x: Length = 1 mm }", encoding="utf-8")
+    program = eng.load(main)
+    main.unlink()
     with pytest.raises(OSError, match="main.eng"):
         pickle.dumps(program)
     main.write_text("use part.shared.Empty\nanalysis other = assemble(Empty())", encoding="utf-8")
-    (tmp_path / "part" / "shared.eng").write_text("model Empty { param x: Length = 1 mm }", encoding="utf-8")
     with pytest.raises(eng.SettingError, match="has changed since it was loaded"):
         pickle.loads(pickle.dumps(program))
+
+
+@pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
+def test_worker_processes_leave_no_folder(method: str, tmp_path: Path) -> None:
+    (tmp_path / "main.eng").write_text("model Empty {}\nanalysis none = assemble(Empty())", encoding="utf-8")
+    program = eng.load(tmp_path / "main.eng")
+    place = tmp_path / "temporary"
+    place.mkdir()
+    context = multiprocessing.get_context(method)
+    with ProcessPoolExecutor(1, mp_context=context, initializer=temporary, initargs=(str(place),)) as pool:
+        (folder,) = pool.submit(folders_of, program, str(place)).result()
+        assert (place / folder).is_dir()
+    assert list(place.iterdir()) == []
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="the system has no fork")
+def test_a_forked_process_keeps_the_folder_of_its_parent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "main.eng").write_text("model Empty {}\nanalysis none = assemble(Empty())", encoding="utf-8")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    packed = pickle.dumps(eng.load(tmp_path / "main.eng"))
+    monkeypatch.setattr(_program, "_KEPT", {})
+    assert pickle.loads(packed).analyses == ["none"]
+    worker = multiprocessing.get_context("fork").Process(target=without_kept_programs)
+    worker.start()
+    worker.join()
+    assert worker.exitcode == 0 and len(list(tmp_path.glob("englang-*"))) == 1
+    without_kept_programs()
+    assert list(tmp_path.glob("englang-*")) == []
 
 
 def test_runs_travel(mass: eng.Program, processes: Executor) -> None:
