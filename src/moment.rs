@@ -1,4 +1,4 @@
-//! Moments, for times that pass. WebAssembly alone, without a host's clock, has no time: there none passes.
+//! Moments, for measured times. WebAssembly without a clock of its host measures zero.
 
 use std::time::{Duration, Instant};
 

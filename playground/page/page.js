@@ -43,6 +43,13 @@ function show(messages) {
     at("messages").replaceChildren(...listOf(doc, example.name, messages, facts, { go, apply }));
 }
 
+// A text without a check cannot run, even if the text before could.
+function unchecked(reason) {
+    runnable = false;
+    at("run").disabled = true;
+    at("messages").replaceChildren(element("p", { class: "broken" }, reason));
+}
+
 async function check() {
     const asked = typed;
     const { fault, found, took, stopped } = await checks.ask({ kind: "check", request: request(view) });
@@ -50,11 +57,11 @@ async function check() {
         return;
     }
     if (fault) {
-        at("messages").replaceChildren(element("p", { class: "broken" }, `The check ended: ${fault}`));
+        unchecked(`The check ended: ${fault}`);
         return;
     }
     if (found.refused) {
-        at("messages").replaceChildren(element("p", { class: "broken" }, found.refused));
+        unchecked(found.refused);
         return;
     }
     ({ facts } = found);
@@ -126,7 +133,11 @@ async function copyLink() {
     }
 }
 
+// Another text. A run of the text before ends: its results would appear below this one.
 function fill(text) {
+    if (runs?.busy) {
+        runs.stop();
+    }
     view.setState(editorState(text));
     changed();
 }

@@ -15,10 +15,22 @@ export class Service {
     }
 
     #begin() {
-        this.#worker = new Worker(new URL("worker.js", document.baseURI), { type: "module" });
-        this.#worker.addEventListener("message", ({ data }) => this.#took(data));
-        this.#worker.addEventListener("error", (event) => this.#end({ fault: event.message ?? "the worker failed" }));
-        this.#worker.postMessage({ kind: "start", compiled: this.#compiled, number: 0 });
+        const worker = new Worker(new URL("worker.js", document.baseURI), { type: "module" });
+        worker.addEventListener("message", ({ data }) => this.#took(data));
+        worker.addEventListener("error", (event) => this.#failed(worker, event.message));
+        worker.postMessage({ kind: "start", compiled: this.#compiled, number: 0 });
+        this.#worker = worker;
+    }
+
+    // A worker that failed, or whose file cannot be loaded, answers nothing more. The next question begins another one. To begin it here
+    // would go on for ever while the file cannot be loaded.
+    #failed(worker, message) {
+        if (worker !== this.#worker) {
+            return;
+        }
+        worker.terminate();
+        this.#worker = undefined;
+        this.#end({ fault: message || "the worker failed" });
     }
 
     #took(data) {
@@ -43,6 +55,9 @@ export class Service {
     #send(question) {
         this.#number += 1;
         this.#asked = { number: this.#number, done: question.done };
+        if (!this.#worker) {
+            this.#begin();
+        }
         this.#worker.postMessage({ ...question.message, number: this.#number });
     }
 
@@ -65,7 +80,7 @@ export class Service {
 
     // Ends the worker, and begins another one.
     stop() {
-        this.#worker.terminate();
+        this.#worker?.terminate();
         this.#begin();
         this.#end({ stopped: true });
     }

@@ -43,8 +43,9 @@ async function serve(message) {
         const took = performance.now() - began;
         postMessage({ kind: "done", number: message.number, took, ...done }, done.numbers ? [done.numbers.buffer] : []);
     } catch (error) {
-        const deep = error instanceof RangeError || /out of bounds|stack/.test(error.message);
-        const cause = module?.fault ?? (deep ? "the text nests deeper than a browser's stack allows" : error.message);
+        const exhausted = error instanceof RangeError || /out of bounds|stack/.test(error.message);
+        const reason = exhausted ? "the browser's stack or memory is exhausted; a text that nests deeply does this" : error.message;
+        const cause = module?.fault ?? reason;
         module = undefined;
         postMessage({ kind: "fault", number: message.number, cause });
     }

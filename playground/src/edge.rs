@@ -110,7 +110,7 @@ pub unsafe extern "C" fn playground_check(room: *const u8, length: usize) -> *mu
     Answer::Text(request.map_or_else(|refused| refused, |request| check(&request))).given()
 }
 
-/// Runs the analyses of a request: [`crate::run`].
+/// Runs the analyses of the text of a request: [`crate::run`].
 ///
 /// # Safety
 /// That of [`playground_check`].
