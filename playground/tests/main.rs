@@ -185,15 +185,14 @@ fn a_page_ends_a_run() {
 #[test]
 fn files_are_those_of_the_request() {
     let text = "table gas(turn: Angle) -> Pressure = csv(\"gas.csv\", columns: [\"turn [deg]\", \"p [bar]\"], periodic: 360 deg)
-model Empty { }
+model Gas { output pressure = gas(1 rad) as bar }
 ";
     let found = check("model.eng", text);
-    let title = found["messages"]["diagnostics"][0]["title"]
-        .as_str()
-        .expect("a message");
+    assert_eq!(found["messages"]["errors"], 1, "{found}");
+    let message = found["messages"]["diagnostics"][0].to_string();
     assert!(
-        title.contains("gas.csv") && title.contains("the playground has no files of yours"),
-        "{title}"
+        message.contains("gas.csv") && message.contains("the playground has no files of yours"),
+        "{message}"
     );
     let with = json!({ "name": "model.eng", "text": text,
         "files": { "gas.csv": "turn [deg],p [bar]\n0,1\n90,2\n180,3\n270,2\n360,1\n" } });
