@@ -496,7 +496,7 @@ fn a_model_that_may_not_be_read_is_no_wrong_model() {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new("locked", SWING);
     let model = folder.path("model.eng");
-    std::fs::set_permissions(&model, std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(&model, std::fs::Permissions::from_mode(0o0)).unwrap();
     // the administrator reads everything
     if std::fs::File::open(&model).is_err() {
         let (code, _, errors) = folder.eng("run", &[]);

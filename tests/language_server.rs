@@ -700,14 +700,13 @@ fn a_session_of_edits_ends_with_the_messages_of_its_text() {
     assert!(editor.messages(&uri).is_empty());
     let mut text = SWING.to_owned();
     let line = "    output turns = pin.speed as rpm\n";
-    let mut at = of(&text, "    start pin");
-    for letter in line.chars() {
+    let begin = of(&text, "    start pin");
+    for (at, letter) in (begin..).zip(line.chars()) {
         let here = place(&text, at);
         let range = json!({ "start": here, "end": here });
         let change = json!([{ "range": range, "text": letter.to_string() }]);
         editor.change_by(&uri, &change);
         text.insert(at, letter);
-        at += 1;
     }
     let mut counts = std::collections::BTreeMap::new();
     let last = loop {

@@ -49,6 +49,9 @@ impl Family {
     }
 }
 
+/// The axes of an anisotropic solid: orientation, place and line of the distribution.
+type Axes = (String, usize, u32);
+
 /// Sections of the elements, and the properties made of them.
 #[derive(Debug)]
 pub(super) struct Sections<'m> {
@@ -65,7 +68,7 @@ pub(super) struct Sections<'m> {
     pub properties: Once<(Option<u32>, Family, u32), Property>,
     /// Materials of the mesh, by name in capitals; of an anisotropic solid also by orientation, place and line of the
     /// distribution.
-    pub materials: Once<(String, Option<(String, usize, u32)>), Material>,
+    pub materials: Once<(String, Option<Axes>), Material>,
     /// Layers of the composites.
     pub laminates: Vec<Vec<Layer>>,
 }
