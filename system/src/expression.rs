@@ -14,6 +14,21 @@ pub struct Member {
     pub expression: Expression,
 }
 
+impl Member {
+    /// Its derivative by a parameter with a path, under the name of its channel.
+    #[must_use]
+    pub fn derivative(&self, parameter: &str) -> Member {
+        Member {
+            analysis: self.analysis.clone(),
+            channel: self.channel.clone(),
+            expression: Expression::Gradient {
+                of: Box::new(self.expression.clone()),
+                parameter: parameter.to_owned(),
+            },
+        }
+    }
+}
+
 /// A signal (a number at each sample of an analysis), a number or a truth value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expression {
