@@ -7,7 +7,7 @@ import pytest
 
 import englang as eng
 
-UNITS = pint.UnitRegistry()
+UNITS: pint.UnitRegistry[float] = pint.UnitRegistry()
 
 SHAFT = """
 use std.joints.Revolute
@@ -84,7 +84,7 @@ def test_a_value_is_one_number(shaft: eng.Program) -> None:
 
 
 def test_the_system_of_a_registry_does_not_count(shaft: eng.Program) -> None:
-    units = pint.UnitRegistry(system="cgs")
+    units: pint.UnitRegistry[float] = pint.UnitRegistry(system="cgs")
     assert value(shaft.analysis("turn").set({"stiffness": units.Quantity(7, "N*m/rad")}), "stiffness") == 7.0
 
 
