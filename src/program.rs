@@ -154,7 +154,7 @@ pub fn open(model: &Path) -> Result<Checked, HostError> {
         let message = "this is no file".to_owned();
         return Err(HostError::System { path, message });
     };
-    // what the system does not let us read is no mistake of the text
+    // a file that the system does not let us read is no mistake of the text
     if let Err(error) = std::fs::File::open(model) {
         return Err(refused(path, &error));
     }
