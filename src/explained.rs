@@ -325,8 +325,8 @@ impl Explained<'_> {
         Some(text)
     }
 
-    /// A part, or several items of one name: the bodies, elements and markers of this path, and the outputs
-    /// of the part.
+    /// The text about a part, or about several items of one name: the bodies, elements and markers with this path, and the
+    /// outputs of the part.
     fn group(&self, path: &str) -> Option<String> {
         let texts = self.program.texts();
         let rest = |other: &str| {

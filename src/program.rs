@@ -244,7 +244,7 @@ struct Inner {
     inspections: Inspections,
     /// Processor time of its check.
     checked: CheckTimings,
-    /// [`Program::source_hash`], when it was asked for: each point of a sweep asks.
+    /// [`Program::source_hash`] after its first use: each point of a sweep needs it.
     source_hash: OnceLock<String>,
 }
 

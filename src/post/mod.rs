@@ -513,8 +513,8 @@ pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
     }
 }
 
-/// A report whose values are the derivatives of the values of another one by a parameter with a unit. It has no other entries.
-/// The parameter must be one by which the runs are differentiated.
+/// The derivatives of a report by a parameter with a unit: a report with the values of the first one, each differentiated, and
+/// without other entries. The runs must be differentiated by this parameter.
 pub fn by_parameter(report: &Report, parameter: &str, unit: &DisplayUnit) -> Report {
     let values = report.entries.iter().filter_map(|entry| {
         let EntryKind::Value { members, display } = &entry.kind else {
