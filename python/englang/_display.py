@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -87,8 +88,17 @@ def _entries(of: Report, most: int) -> str:
         mark = "✓" if condition.holds else "⚠" if condition.advises else "✗"
         # a condition that holds has nothing to say
         parts.append(f"<p>{mark} {escape(condition.message) if not condition.holds else 'a condition holds'}</p>")
-    figures = list(of.figures.values())
-    parts.extend(f"<div>{svg}</div>" for svg in figures[:most])
+    figures = list(of.figures.items())
+    parts.extend(f"<div>{_picture(name, svg)}</div>" for name, svg in figures[:most])
     if len(figures) > most:
         parts.append(f"<p>{len(figures) - most} more figures: <code>figures</code> of the report {escape(of.name)}</p>")
     return "".join(parts)
+
+
+def _picture(name: str, svg: str) -> str:
+    """A figure as wide as the cell at most.
+
+    As a picture of its own it keeps its identifiers: those of its clip areas would be the ones of other figures of the page.
+    """
+    coded = b64encode(svg.encode()).decode()
+    return f'<img alt="{escape(name)}" style="max-width: 100%" src="data:image/svg+xml;base64,{coded}">'
