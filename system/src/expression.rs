@@ -72,7 +72,7 @@ pub enum Expression {
         /// Path of the parameter.
         parameter: String,
     },
-    /// The value (SI) of a parameter of an analysis, of those by which its run is differentiated.
+    /// The value (SI) of a parameter of an analysis; its run is differentiated by this parameter.
     Parameter {
         /// The analysis.
         analysis: String,

@@ -38,8 +38,8 @@ const TRIALS: usize = 12;
 const TRIALS_OF_FEW: usize = 4;
 /// Most zeros of an element that are tried in pairs. A choice: they make 66 pairs, which take a few milliseconds.
 const MOST_PAIRED: usize = 12;
-/// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
-/// it. A choice: a much smaller share would count those, a larger one would overlook a real component.
+/// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below it. A choice: a
+/// much smaller share would count friction and misalignment, a larger one would overlook a real component.
 const COMPONENT_SHARE: f64 = 0.01;
 /// Arm (m) that converts moments to forces for the comparison. A choice: the size of a bearing or of a small
 /// joint.
@@ -47,8 +47,8 @@ const ARM: f64 = 0.1;
 /// Distance of the partners in a trial (m): small, as in an assembled engine. A choice: below the clearances
 /// of films, which would touch at a larger distance.
 const PARTNER_DISTANCE: f64 = 1e-5;
-/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: over [`ARM`] it is a way
-/// of [`PARTNER_DISTANCE`].
+/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: it moves a point at a distance of [`ARM`]
+/// by [`PARTNER_DISTANCE`].
 const PARTNER_TILT: f64 = 1e-4;
 /// Angular velocity of a trial (rad/s): 2900 rpm, an engine's speed. A choice: at rest films and dampers
 /// would transmit nothing.
@@ -461,7 +461,7 @@ impl Elaborator<'_, '_> {
     }
 }
 
-/// The warning about loads without a static mode. The caller adds what helps at its place.
+/// The warning about loads without a static mode. The caller adds the remedy.
 pub fn without_static_mode(body: &str, place: Span) -> Diagnostic {
     Diagnostic::warning(
         codes::UNSERVED,
