@@ -26,8 +26,8 @@ fn with_library<T>(look: impl FnOnce(&[(&'static str, File)], &SourceMap) -> T) 
     look(&files, &texts)
 }
 
-/// The text about a definition of some modules: their paths and trees, those that are looked at first before others.
-/// The name may have the path of its module before it, or that of the definition around it: `Engine.stroke`.
+/// The text about a definition of some modules: their paths and trees, in the order of the search. The name may have the path
+/// of its module before it, or that of the definition around it: `Engine.stroke`.
 pub(crate) fn of_modules<'a>(
     modules: impl Iterator<Item = (&'a str, &'a File)>,
     path: &str,

@@ -153,8 +153,8 @@ fn index_of(text: &str) -> Option<Vec<usize>> {
     text.split(',').map(|n| n.trim().parse().ok()).collect()
 }
 
-/// The error for a path with an index that the models do not make, or at an item that has none. Paths of the models
-/// tell the indices of parameters and outputs.
+/// The error for a path with an index that the models do not make, or at an item that has none. The paths
+/// of the models show the indices of parameters and outputs.
 fn index_outside(path: &str, repeated: &Repeated, known: &[String]) -> Option<Error> {
     for (end, _) in path.match_indices(']') {
         let part = path.get(..=end)?;
@@ -325,8 +325,8 @@ impl Explained<'_> {
         Some(text)
     }
 
-    /// A part, or several items of one name: the bodies, elements and markers of this path, and the outputs
-    /// of the part.
+    /// The text about a part, or about several items of one name: the bodies, elements and markers with this path, and the
+    /// outputs of the part.
     fn group(&self, path: &str) -> Option<String> {
         let texts = self.program.texts();
         let rest = |other: &str| {

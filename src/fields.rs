@@ -287,7 +287,8 @@ fn nothing_ignored(numbers: &FieldNumbers<'_>) -> Result<(), FieldError> {
     Ok(())
 }
 
-/// The waves of a ring, without a change across: one of all around, and from two waves on a cosine and a sine each.
+/// The waves of a ring, which do not change across it: the uniform one, and a cosine and a sine for each number of waves from
+/// two on.
 fn waves(most: i64) -> Vec<Shape> {
     let shape = |around, sine| Shape {
         around,

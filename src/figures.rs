@@ -17,8 +17,8 @@ use std::f64::consts::TAU;
 /// The share of its size by which a column must vary to have a spectrum: the rest is rounding. A choice some
 /// decades above the rounding unit, because outputs are sums.
 const STILL: f64 = 1e-9;
-/// The channel of the angle (rad) by which a journal's pin has turned in its shell. The page adds it to results
-/// with a motion; its frame are the axes of the pin.
+/// The channel of the angle (rad) by which a journal's pin has turned in its shell. The page adds it to results with a motion;
+/// its frame is that of the pin's axes.
 pub(crate) const TURN: &str = "turn";
 
 /// A figure that is to be drawn.
@@ -60,8 +60,8 @@ pub(crate) fn of_outcome(outcome: &RunOutcome) -> Vec<Wanted> {
     }
 }
 
-/// Titles and drawings of the figures of a run that `eng run` draws without a `report` block, or why the results do not
-/// give one.
+/// Titles and drawings of the figures of a run that `eng run` draws without a `report` block, or the reason why the results
+/// give none.
 pub fn figures_of(outcome: &RunOutcome) -> Vec<(String, Result<Figure, PostError>)> {
     let run = [Run::new(&outcome.results, &outcome.machine)];
     let wanted = of_outcome(outcome).into_iter();

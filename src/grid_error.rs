@@ -12,7 +12,7 @@
 //! from the memory of the coarser one, and a single step does not show the difference of two films that were
 //! apart from the start. The second are films with openings in the pin. These lie over other cells at each
 //! moment, so the errors of single moments are no measure of the errors of a run. The text of such films
-//! gives the reason. It also tells along which share of the flooded ends the oil fills less than a cell: the
+//! gives the reason. It also states the share of the flooded ends along which the oil fills less than a cell: the
 //! cells decide the inflow there.
 //!
 //! A solution on twice as many cells takes five to thirteen times as long, so only some moments have one. The

@@ -63,7 +63,7 @@ pub struct SummarisedElement {
 }
 
 impl Machine {
-    /// From a model with its numbers, as an analysis of this kind runs it, without its fields.
+    /// The machine of a model with its numbers, in an analysis of this kind. It is without fields.
     pub(crate) fn new(system: &System, bound: &Bound, kind: &AnalysisKind) -> Machine {
         Machine {
             journals: journals(system, bound),

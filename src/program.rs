@@ -154,7 +154,7 @@ pub fn open(model: &Path) -> Result<Checked, HostError> {
         let message = "this is no file".to_owned();
         return Err(HostError::System { path, message });
     };
-    // what the system does not let us read is no mistake of the text
+    // a file that the system does not let us read is no mistake of the text
     if let Err(error) = std::fs::File::open(model) {
         return Err(refused(path, &error));
     }
@@ -244,7 +244,7 @@ struct Inner {
     inspections: Inspections,
     /// Processor time of its check.
     checked: CheckTimings,
-    /// [`Program::source_hash`], when it was asked for: each point of a sweep asks.
+    /// [`Program::source_hash`] after its first use: each point of a sweep needs it.
     source_hash: OnceLock<String>,
 }
 

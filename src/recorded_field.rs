@@ -256,10 +256,10 @@ impl Solution {
         Ok(())
     }
 
-    /// Turns and scales the place e of the pin and its rate ė by the same complex factor until the force is the wanted one.
-    /// An orbit `c e(t)` with a constant c has the rate `c ė(t)`. This holds in every frame that turns about the shell's axis, so
-    /// the result does not depend on the part that turns. A stated rate would: a pin under a load at rest in space moves
-    /// against a turning shell, and faster where it is farther from the middle.
+    /// Turns and scales the place e of the pin and its rate ė by the same complex factor until the force is the wanted one. An
+    /// orbit `c e(t)` with a constant c has the rate `c ė(t)`. This holds in every frame that turns about the shell's axis, so
+    /// the result does not depend on the part that turns. A rate that is held would depend on it: a pin under a load at rest in
+    /// space moves against a turning shell, and faster where it is farther from the middle.
     ///
     /// Newton's method takes the stiffness and the damping of the film, and keeps them while they serve. The
     /// solver must have solved this field, and its readings must have slopes. A move is a third of the least

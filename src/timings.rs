@@ -130,6 +130,16 @@ fn now() -> crate::moment::Moment {
 mod tests {
     use super::*;
 
+    /// The sum of all readings is the time from the first to the last: no time counts in two phases.
+    #[test]
+    #[cfg(unix)]
+    fn phases_do_not_overlap() {
+        let mut clock = Clock::new();
+        let begin = clock.last;
+        let phases: Duration = (0..3).map(|_| clock.since()).sum();
+        assert_eq!(phases, clock.last - begin);
+    }
+
     /// A thread that sleeps takes no processor time, and one that computes does.
     #[test]
     #[cfg(unix)]

@@ -555,26 +555,42 @@ fn of_very_many_mistakes_a_hundred_are_shown() {
     );
 }
 
-/// A name beyond those that are shown is not compared with all others: messages about types and units are as
-/// fast as those about names.
+/// A name beyond those that are shown is not compared with all others, so it has no suggestion.
 #[test]
-fn very_many_unknown_types_and_units_are_told_in_seconds() {
+fn only_the_first_hundred_unknown_names_have_a_suggestion() {
+    for line in [
+        "const a{} = knwon\n",
+        "const a{}: Lenth = 1 mm\n",
+        "const a{} = 1 mmm\n",
+    ] {
+        let wrong: String = (0..500)
+            .map(|i| line.replace("{}", &i.to_string()))
+            .collect();
+        let text = format!("const known = 1\n{wrong}");
+        let sources = eng::Sources::from_texts([("model.eng".to_owned(), text)]);
+        let report = eng::check(&sources, "model.eng").report();
+        let messages = report.diagnostics();
+        assert_eq!(messages.len(), 500, "{line}");
+        let suggested = messages.iter().filter(|message| !message.fixes.is_empty());
+        let suggested = suggested.count();
+        assert!((100..=101).contains(&suggested), "{line}: {suggested}");
+    }
+}
+
+#[test]
+fn of_very_many_unknown_types_and_units_a_hundred_are_shown() {
     for line in ["const a{}: Lenth{} = 1 mm\n", "const a{} = 1 mmm{}\n"] {
         let wrong: String = (0..20_000)
             .map(|i| line.replace("{}", &i.to_string()))
             .collect();
         let folder = Folder::with("types", &wrong);
-        let began = std::time::Instant::now();
         let output = folder.eng(&["check", "model.eng"]);
-        let took = began.elapsed();
         let said = said(&output);
         assert!(
             said.ends_with("… and 19900 more messages\n20000 errors, 0 warnings\n"),
             "{}",
             said.lines().last().unwrap()
         );
-        // each with each would be half an hour
-        assert!(took.as_secs() < 120, "{took:?}");
     }
 }
 
@@ -716,7 +732,6 @@ analysis run = transient(Crank(), duration: 0.6 s, sample: 5 ms)
 "
         );
         let folder = Folder::with("stick", &text);
-        let began = std::time::Instant::now();
         let output = folder.eng(&["run", "model.eng", "--no-plots"]);
         let told = said(&output);
         assert_eq!(output.status.code(), Some(1), "{told}");
@@ -724,7 +739,6 @@ analysis run = transient(Crank(), duration: 0.6 s, sample: 5 ms)
             told.contains("error[E0770]: the force of dry jumps by 40 N"),
             "{told}"
         );
-        assert!(began.elapsed().as_secs() < 10);
     }
 }
 
@@ -775,9 +789,7 @@ fn every_step_at_a_jump_names_it() {
 #[test]
 fn a_run_that_nobody_waits_for_is_stopped_with_its_reason() {
     let folder = Folder::with("chatter", &RUBBED.replace("{way}", "way > 0 mm"));
-    let began = std::time::Instant::now();
     let output = folder.eng(&["run", "model.eng", "--no-plots"]);
-    assert!(began.elapsed().as_secs() < 60);
     assert_eq!(output.status.code(), Some(1));
     let told = text(&output.stderr);
     // after some seconds, while it runs

@@ -377,8 +377,8 @@ analysis hang = assemble(Bar())
     }
 }
 
-/// Loads that are zero at the start have their static mode: one that two parameters of zero switch, and that is zero again with
-/// both, and one that is a state alone.
+/// Loads that are zero at the start have their static mode: one that each of two parameters of zero switches on, and that is zero
+/// again with both; one that two of three parameters switch on, and the third off; and one that is a state alone.
 #[test]
 fn a_load_that_is_zero_at_the_start_has_its_static_mode() {
     for (name, law) in [
@@ -388,6 +388,11 @@ fn a_load_that_is_zero_at_the_start_has_its_static_mode() {
     apply force (scale*stretch - off*stretch)*(1 kN/mm)*b.z on a against b",
         ),
         (
+            "paired",
+            "let way = dot(a.origin - b.origin, b.z)/(1 mm)
+    apply force (scale*way - off*way)*(other*way)*(1 N)*b.z on a against b",
+        ),
+        (
             "state",
             "state push: Force = 0 N scale 10 N
     der(push) = (5 N - push)/(1 s)
@@ -395,7 +400,7 @@ fn a_load_that_is_zero_at_the_start_has_its_static_mode() {
         ),
     ] {
         let text = format!(
-            "force Push(a: Marker, b: Marker, scale: 1 = 0, off: 1 = 0) {{
+            "force Push(a: Marker, b: Marker, scale: 1 = 0, off: 1 = 0, other: 1 = 0) {{
     {law}
 }}
 model Bar {{

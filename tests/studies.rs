@@ -154,13 +154,11 @@ fn slices_threads_and_kills_give_the_same_bytes() {
         |out: &str| std::fs::read(place.path(out).join("swing/part-00001-00012.parquet")).unwrap();
     assert!(part("one") == part("killed"));
     // other slices of the same points take what is there
-    let before = Instant::now();
     let said = place.says(
         "run swing.eng --analysis swing --design design.csv --slice 1/1 --out three",
         1,
     );
     assert!(said.contains("were there, and are not run again"), "{said}");
-    assert!(before.elapsed() < Duration::from_secs(20));
 }
 
 #[test]

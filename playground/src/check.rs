@@ -1,4 +1,4 @@
-//! The check of a text: what `eng check` tells.
+//! The check of a text, with the messages and facts of `eng check`.
 
 use crate::request::{Request, refusal};
 use eng::render::{Document, document};

@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 #[derive(Debug, Serialize)]
 struct Answer<'a> {
     messages: Document<'a>,
-    /// Why the playground stopped the run, and what the results are then.
+    /// The reason why the playground stopped the run, with the share of the run that the results have.
     stopped: Option<&'a str>,
     analyses: Vec<Analysis>,
     /// The tables over the points of sweeps, as `eng run` prints them.
@@ -271,7 +271,7 @@ impl Runs<'_> {
 
     fn failed(&mut self, name: &str, failed: Failed<RunOutcome>) {
         let Failed { error, partial } = failed;
-        // the answer tells why the playground stopped it
+        // the answer has the reason of the playground
         let stopped = error.is_stopped();
         let report = error.report().filter(|_| !stopped);
         if let Some(report) = report {

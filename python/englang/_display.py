@@ -1,7 +1,8 @@
-"""What notebooks show of tables, reports, studies and errors: short texts of HTML."""
+"""What notebooks show of tables, runs, reports, studies and errors: short texts of HTML."""
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ._report import Report
     from ._study import Study
-    from ._table import Table
+    from ._table import Run, Table
 
 # most rows and columns of a table, and most figures of a report; choices for a page that is read
 ROWS, COLUMNS, FIGURES = 5, 8, 4
@@ -49,6 +50,19 @@ def table(of: Table[Any]) -> str:
     return f"<div><p>{escape(repr(of).strip('<>').split(':')[0])}: {size}</p>{_table(_titles(paths, of.units), rows)}</div>"
 
 
+def run(of: Run) -> str:
+    """The first rows of a run, and what the reports of its text give for this run alone."""
+    parts = [table(of)]
+    room = FIGURES
+    for name in of.reports:
+        found = of.report(name)
+        # a report over other analyses has nothing to show here
+        if found.values or found.conditions or found.figures:
+            parts.append(_entries(found, room))
+            room = max(room - len(found.figures), 0)
+    return f"<div>{''.join(parts)}</div>"
+
+
 def study(of: Study) -> str:
     """The first rows of a study with units, and its size."""
     paths = of.columns[:COLUMNS]
@@ -59,7 +73,13 @@ def study(of: Study) -> str:
 
 
 def report(of: Report) -> str:
-    """Values, conditions and the first figures of a report."""
+    """Values, conditions and the first figures of a report, and the reasons for missing entries."""
+    missing = "".join(f"<p>{escape(name)}: {escape(reason)}</p>" for name, reason in of.missing.items())
+    return f"<div>{_entries(of, FIGURES)}{missing}</div>"
+
+
+def _entries(of: Report, most: int) -> str:
+    """Values, conditions and at most so many figures of a report."""
     parts = [f"<h4>{escape(of.title or of.name)}</h4>"]
     if of.values:
         rows = [(name, value, of.units[name]) for name, value in of.values.items()]
@@ -68,9 +88,17 @@ def report(of: Report) -> str:
         mark = "✓" if condition.holds else "⚠" if condition.advises else "✗"
         # a condition that holds has nothing to say
         parts.append(f"<p>{mark} {escape(condition.message) if not condition.holds else 'a condition holds'}</p>")
-    figures = list(of.figures.values())
-    parts.extend(f"<div>{svg}</div>" for svg in figures[:FIGURES])
-    if len(figures) > FIGURES:
-        parts.append(f"<p>{len(figures) - FIGURES} more figures: <code>figures</code></p>")
-    parts.extend(f"<p>{escape(name)}: {escape(reason)}</p>" for name, reason in of.missing.items())
-    return f"<div>{''.join(parts)}</div>"
+    figures = list(of.figures.items())
+    parts.extend(f"<div>{_picture(name, svg)}</div>" for name, svg in figures[:most])
+    if len(figures) > most:
+        parts.append(f"<p>{len(figures) - most} more figures: <code>figures</code> of the report {escape(of.name)}</p>")
+    return "".join(parts)
+
+
+def _picture(name: str, svg: str) -> str:
+    """A figure as wide as the cell at most.
+
+    As a picture of its own it keeps its identifiers: those of its clip areas would be the ones of other figures of the page.
+    """
+    coded = b64encode(svg.encode()).decode()
+    return f'<img alt="{escape(name)}" style="max-width: 100%" src="data:image/svg+xml;base64,{coded}">'

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex, TypeAlias
 
 from . import _native
 from ._errors import Interrupted, RunError, SettingError
+from ._quantities import text_of, texts_of
 from ._report import Report
 from ._table import Run
 
@@ -250,6 +251,7 @@ class Analysis:
 
     def set(self, set: Mapping[str, Value]) -> Analysis:
         """The analysis with other parameters, or with other words of choices."""
+        set = texts_of(set)
         return Analysis(self.program, self.name, {**self._set, **set}, self._native.set(set))
 
     def run(
@@ -268,7 +270,7 @@ class Analysis:
     ) -> Run:
         """Runs the analysis. Other threads of Python go on meanwhile.
 
-        `set` gives parameters other values: texts with units, or numbers in SI units. `step` takes fixed steps and
+        `set` gives parameters other values: texts with units, quantities of pint, or numbers in SI units. `step` takes fixed steps and
         `tolerance` scales the allowed errors, in place of the text's. `channels` are patterns of the columns to keep.
         `folder` receives the samples during the run and `ANALYSIS.parquet` at its end; `resume` continues an
         interrupted run there. `threads` solve the films on cells of this run. `gradients` are paths of parameters by
@@ -281,7 +283,7 @@ class Analysis:
         analysis = self if set is None else self.set(set)
         try:
             native = analysis._native.run(
-                step=step,
+                step=text_of("step", step),
                 tolerance=tolerance,
                 channels=_texts("channels", channels),
                 folder=folder,

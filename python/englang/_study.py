@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from . import _display, _native
 from ._errors import Error, SettingError
 from ._frames import frame_of, imported, rows_of
+from ._quantities import text_of
 
 if TYPE_CHECKING:
     import pandas
@@ -211,6 +212,7 @@ def _settings(
                 continue
             if path in setting:
                 raise SettingError(f"{path} is stated twice")
+            value = text_of(path, value)
             parameter = parameters.get(path)
             with_unit = unit is not None and not isinstance(value, str)
             setting[path] = f"{float(value)!r} {unit}" if with_unit else value

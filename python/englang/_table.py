@@ -154,6 +154,11 @@ class Run(Table["_native.Run"]):
     def _kept(self, patterns: tuple[str, ...]) -> Run:
         return self.select(*patterns) if patterns else self
 
+    @property
+    def reports(self) -> list[str]:
+        """The names of the reports of its text, some of which may be about other analyses."""
+        return self._of.program.reports
+
     def report(self, name: str, *, by: str | None = None) -> Report:
         """Evaluates a report of the text over this run alone; see `Program.report`.
 
@@ -164,6 +169,12 @@ class Run(Table["_native.Run"]):
     def write_parquet(self, folder: str | PathLike[str]) -> Path:
         """Writes `ANALYSIS.parquet` into a folder, as `eng run` does, and returns its path."""
         return self._native.write_parquet(folder)
+
+    def _repr_html_(self) -> str:
+        """The first rows with units, and values and figures of the reports over this run alone, for notebooks."""
+        from . import _display
+
+        return _display.run(self)
 
     def __reduce__(self) -> tuple[object, ...]:
         return (_restored, (self._of, self._native.packed()))

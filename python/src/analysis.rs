@@ -88,14 +88,7 @@ impl Analysis {
         Ok(Analysis::new(inner, self.program.clone()))
     }
 
-    /// Runs the analysis. Other threads of Python go on meanwhile.
-    ///
-    /// `set` gives parameters other values: texts with units, or numbers in SI units. `step` takes fixed steps and `tolerance`
-    /// scales the allowed errors, in place of the text's. `channels` are patterns of the columns to keep. `folder` receives the
-    /// samples during the run and `ANALYSIS.parquet` at its end; `resume` continues an interrupted run there. `threads` solve the
-    /// films on cells of this run. `gradients` are paths of parameters by which the channels are differentiated, in place of
-    /// those of the text. A run that would take more than a day is stopped, unless it is `patient`. `progress` is called
-    /// up to twenty times a second with the finished part (0 to 1) and the time (s); its exception stops the run.
+    /// Runs the analysis; `englang.Analysis.run` explains the arguments.
     #[pyo3(signature = (set=None, *, step=None, tolerance=None, channels=None, folder=None, resume=false,
         threads=1, gradients=None, patient=false, progress=None))]
     // Python names its arguments

@@ -1,6 +1,6 @@
 //! Runs as bytes, for other processes. Numbers keep their bits.
 //!
-//! What follows from the analysis is not packed: the machine with its journals, fields and firing order.
+//! The bytes leave out the machine with its journals, fields and firing order, because the analysis gives it.
 
 use eng::results::Column;
 use eng::run::RunOutcome;

@@ -45,26 +45,26 @@ impl Signals {
     }
 }
 
-/// A watch on a run, which tells a function about its progress.
+/// A watch on a run, which calls a function with its progress.
 pub struct Watch {
     signals: Signals,
-    told: Option<Py<PyAny>>,
+    progress: Option<Py<PyAny>>,
 }
 
 impl Watch {
-    /// A watch that tells a function about the progress.
-    pub fn new(told: Option<Py<PyAny>>) -> Watch {
+    /// A watch that calls a function of the share and the time (s).
+    pub fn new(progress: Option<Py<PyAny>>) -> Watch {
         Watch {
             signals: Signals::new(),
-            told,
+            progress,
         }
     }
 
-    /// Looks for signals and tells the progress. An exception ends the run.
+    /// Looks for signals and calls the function. An exception of either ends the run.
     pub fn look(&mut self, now: &Progress) -> ControlFlow<()> {
-        let told = &self.told;
-        self.signals.look(|py| match told {
-            Some(told) => told.call1(py, (now.fraction, now.time)).map(drop),
+        let progress = &self.progress;
+        self.signals.look(|py| match progress {
+            Some(progress) => progress.call1(py, (now.fraction, now.time)).map(drop),
             None => Ok(()),
         })
     }

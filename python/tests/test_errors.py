@@ -5,6 +5,7 @@ import pickle
 import signal
 import threading
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -153,7 +154,6 @@ def test_a_failed_run_keeps_its_samples() -> None:
 def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
     # a shell without a terminal starts its jobs with the signal ignored
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    began = time.monotonic()
     timer = threading.Timer(0.5, _thread.interrupt_main)
     timer.start()
     try:
@@ -161,7 +161,6 @@ def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
             mass.analysis("long").run()
     finally:
         signal.signal(signal.SIGINT, before)
-    assert time.monotonic() - began < 10
     assert isinstance(raised.value, eng.Interrupted)
     partial = raised.value.partial
     assert partial is not None and 1 < len(partial) < 400000
@@ -172,21 +171,19 @@ def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
 def test_ctrl_c_ends_an_advance_at_a_step(mass: eng.Program) -> None:
     simulation = mass.model("Mass").simulation()
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    began = time.monotonic()
     threading.Timer(0.5, _thread.interrupt_main).start()
     try:
         with pytest.raises(KeyboardInterrupt):
             simulation.advance(1e12)
     finally:
         signal.signal(signal.SIGINT, before)
-    assert time.monotonic() - began < 10
     # it stands at the end of a step, and goes on from there
     reached = simulation.time
     assert 0 < reached < 1e12
     assert simulation.advance(reached + 1e-3) == reached + 1e-3
 
 
-def test_the_progress_is_told_and_may_stop_the_run(mass: eng.Program) -> None:
+def test_a_run_reports_its_progress_and_may_be_stopped(mass: eng.Program) -> None:
     told: list[tuple[float, float]] = []
 
     def progress(fraction: float, now: float) -> None:
@@ -214,8 +211,16 @@ def test_other_threads_go_on_during_a_run(mass: eng.Program) -> None:
         while not ended.wait(0.01):
             ticks += 1
 
+    # the ticks at each call of `stop`. A run that kept the interpreter would let through one tick a call at most
+    at_calls: list[int] = []
+
+    def several() -> bool:
+        return any(later - earlier >= 3 for earlier, later in pairwise(at_calls))
+
     def stop(_fraction: float, _now: float) -> None:
-        if time.monotonic() - began > 0.5:
+        at_calls.append(ticks)
+        # a guard: a run without ticks does not go on for ever
+        if several() or time.monotonic() - began > 60:
             raise LookupError
 
     thread = threading.Thread(target=tick)
@@ -225,7 +230,7 @@ def test_other_threads_go_on_during_a_run(mass: eng.Program) -> None:
         mass.analysis("long").run(progress=stop)
     ended.set()
     thread.join()
-    assert ticks > 10
+    assert several()
 
 
 def test_nothing_is_printed(mass: eng.Program, capfd: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,5 @@
-"""The package: pages, command, time to import."""
+"""The package: pages, command, modules that an import loads."""
 
-import os
 import re
 import subprocess
 import sys
@@ -54,17 +53,26 @@ def test_every_name_has_a_text() -> None:
             assert getattr(eng, name).__doc__, name
 
 
-def test_the_package_is_quick_to_import() -> None:
-    def seconds(code: str) -> float:
-        """Processor time, which other programs on the machine hardly change."""
-        before = os.times()
-        subprocess.run([sys.executable, "-c", code], check=True)
-        after = os.times()
-        return after.children_user + after.children_system - before.children_user - before.children_system
+# all of the standard library that an import of the package imports; what those import in turn is part of it
+STANDARD = ("__future__", "collections.abc", "dataclasses", "functools", "importlib", "os", "typing")
+# modules of the package that are imported at their first use
+LATER = {"englang._command", "englang._display", "englang._objective", "englang._study"}
 
-    bare = min(seconds("") for _ in range(7))
-    loaded = min(seconds("import englang") for _ in range(7))
-    assert loaded - bare < 0.08
+
+def loaded(statement: str) -> set[str]:
+    """The modules of a fresh interpreter after a statement. It finds packages beside `englang`, but runs no code of its site."""
+    beside = str(Path(eng.__file__).parents[1])
+    code = f"import sys; sys.path.insert(0, {beside!r}); {statement}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-I", "-S", "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_an_import_of_the_package_loads_few_modules() -> None:
+    # a program that runs a model pays for each of them at its start
+    modules = loaded("import englang")
+    assert "englang._program" in modules and not modules & LATER
+    more = modules - loaded(f"import {', '.join(STANDARD)}")
+    assert {name for name in more if name.partition(".")[0] != "englang"} == set()
 
 
 def test_files_of_a_text_are_found() -> None:

@@ -1,7 +1,9 @@
 """Tables: NumPy, Arrow, files."""
 
+import base64
 import gc
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import pyarrow.parquet
 import pytest
 
 import englang as eng
+from conftest import MASS
 
 
 def test_arrow_reads_the_memory_of_the_run(mass: eng.Program) -> None:
@@ -69,12 +72,24 @@ def test_notebooks_show_tables_and_reports(mass: eng.Program) -> None:
     run = mass.analysis("swing").run(gradients="weight")
     html = run._repr_html_()
     assert "501 samples" in html and "time<br>[s]" in html and "120" in html
-    assert html.count("<tr>") == 1 + 5 + 1
+    # rows of the samples, and of the values of the report over this analysis; the other report is about the sweep
+    assert html.count("<tr>") == 1 + 5 + 1 + 1 + 1
+    assert "<h4>Extremes</h4>" in html and "⚠ far: 120 mm" in html and html.count("<img") == 1
+    assert "springs" not in html and "run it first" not in html
+    figures = "".join(f"    figure more{number} = history(swing.place, over: time)\n" for number in range(5))
+    program = eng.from_text(MASS.replace("    figure places", f"{figures}    figure places"))
+    html = program.analysis("swing").run()._repr_html_()
+    assert html.count("<img") == 4 and "2 more figures" in html
+    # nothing of a report whose columns are not there
+    html = run.select("rail.travel")._repr_html_()
+    assert "501 samples" in html and "Extremes" not in html
     assert "Gradient of swing by weight" in run.gradients["weight"]._repr_html_()
     report = run.report("extremes")
     html = report._repr_html_()
     assert "<h4>Extremes</h4>" in html and "widest" in html and "mm" in html
-    assert "⚠ far: 120 mm" in html and html.count("<svg") == 1
+    assert "⚠ far: 120 mm" in html
+    (coded,) = re.findall('<img alt="places" .* src="data:image/svg\\+xml;base64,(.*)">', html)
+    assert base64.b64decode(coded).decode() == report.figures["places"]
     assert report.figures["places"]._repr_svg_() == report.figures["places"]
     with pytest.raises(TypeError, match="not iterable"):
         iter(run)  # type: ignore[call-overload]

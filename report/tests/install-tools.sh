@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the tests of pages and files check with, as far as it can be had: Chromium, the Khronos glTF
-# validator, axe-core, the engine of colours of Visual Studio Code, meshio, VTK.
+# validator, axe-core, the engine of colours and the packager of Visual Studio Code, meshio, VTK.
 # Prints the variables that point tests there; what cannot be installed is said on the error output, and its tests skip.
 # Usage: eval "$(report/tests/install-tools.sh FOLDER)"
 set -uo pipefail
@@ -19,14 +19,14 @@ if ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; th
 fi
 
 if command -v npm >/dev/null; then
-    for package in gltf-validator axe-core vscode-tmgrammar-test; do
+    for package in gltf-validator axe-core vscode-tmgrammar-test @vscode/vsce; do
         [ -d "$folder/node_modules/$package" ] ||
             npm install --silent --no-audit --no-fund --prefix "$folder" "$package" >>"$folder/npm.log" 2>&1 ||
             say "$package could not be installed, see $folder/npm.log"
     done
     printf 'export NODE_PATH=%q\n' "$folder/node_modules"
 else
-    say "npm is missing: no glTF validator, no axe-core, no test of colours"
+    say "npm is missing: no glTF validator, no axe-core, no test of colours, no package of the extension"
 fi
 
 if command -v python3 >/dev/null; then

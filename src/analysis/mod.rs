@@ -62,8 +62,8 @@ pub(crate) struct Findings {
     pub turning: Duration,
 }
 
-/// Number of steps, and part of a run. A cycle that has turned by less than this part after these steps is at
-/// rest. Choices: a cycle that turns has advanced by more after as many steps of growing length.
+/// A cycle is at rest if after this number of steps it has turned by less than this part of the run. Choices: steps grow at the
+/// start, so a cycle that turns has advanced by more after as many of them.
 const STANDING: (u64, f64) = (50, 1e-3);
 
 /// The progress of a run.
@@ -115,7 +115,7 @@ pub struct Outcome {
     pub modes: Option<LinearModes>,
     /// The response over frequency, whose amplitudes and phases are the rows of `results`; absent after a failure.
     pub response: Option<FrequencyResponse>,
-    /// What a kinematic analysis determines; absent after a failure.
+    /// The results of a kinematic analysis beside its rows; absent after a failure.
     pub determined: Option<eng_runtime::Determined>,
     /// The derivatives of the channels by the parameters that the analysis names; empty after a failure.
     pub gradients: Vec<Gradient>,

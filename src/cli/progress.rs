@@ -1,4 +1,4 @@
-//! The progress bars of runs, and below them what Ctrl-C leaves.
+//! The progress bars of runs, and below them the words about the files that remain after Ctrl-C.
 
 use crate::Progress;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};

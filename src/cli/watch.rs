@@ -79,7 +79,7 @@ struct Watching<'a> {
 }
 
 impl Watching<'_> {
-    /// Checks the model, and runs what is due. Returns the words for the end of its line.
+    /// Checks the model, and runs the analyses that are due. Returns the words for the end of the round's line.
     fn round(
         &mut self,
         changes: &mut dyn Changes,

@@ -295,7 +295,7 @@ impl Start<'_> {
             let slow = STANDS_STILL * self.cycle_speed().unwrap_or(0.0);
             return cycle && motion.bodies.iter().all(|body| self.spin_of(*body) < slow);
         }
-        // a rotor that turns freely at a speed that its start states coasts, or is driven by a torque
+        // a rotor that turns freely coasts, or a torque drives it, if its start states the speed
         if let Some((axis, _)) = motion.about
             && (motion.bodies.iter()).all(|body| self.spin_about(*body, &axis) > 1.0)
         {

@@ -7,11 +7,11 @@ use eng_runtime::loose::loaded;
 use eng_system::lint;
 
 impl Start<'_> {
-    /// The finding of a force between a part in its guide and a shaft in its bearing (a tappet and its cam) that loads
-    /// the guide and measures the part: the first two markers are in each other's places. The force has the markers
-    /// part, guide, shaft and bearing, and measures the angle of the shaft in the bearing. Guide and bearing are on one
-    /// body, and take no load. So the mistake has three signs: the first marker is on the body of the bearing, the
-    /// second one is on another body, and this marker takes no load.
+    /// The finding of a force whose first two markers are in each other's places, so that it loads the guide and measures the
+    /// part. Such a force acts between a part in its guide and a shaft in its bearing, as between a tappet and its cam. It has
+    /// the markers part, guide, shaft and bearing, and measures the angle of the shaft in the bearing. Guide and bearing are on
+    /// one body, and take no load. So the mistake has three signs: the first marker is on the body of the bearing, the second
+    /// one is on another body, and this marker takes no load.
     pub(super) fn measured_and_loaded(&self, element: usize) -> Option<Finding> {
         let system = &self.model.compiled.system;
         let class = self.model.class(element);

@@ -35,7 +35,7 @@ pub(crate) struct Finding {
     pub origin: Origin,
     /// The message, with values.
     pub message: String,
-    /// The label at its place, after the path of the object; empty if the path alone says enough.
+    /// The label at its place, after the path of the object; empty if the path needs no more words.
     pub label: String,
     /// The remedy.
     pub help: String,

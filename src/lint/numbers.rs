@@ -330,7 +330,7 @@ fn order(body: &Solid<'_>) -> Option<Doubt> {
     let line = (0..3).find(|i| body.spans[*i] > (1.0 - BESIDE_LINE) * whole)?;
     let across = (0..3).filter(|i| *i != line).map(|i| body.moments[i]);
     let least = across.fold(f64::INFINITY, f64::min);
-    // ∫ z² dm is half of: the sum of the moments across z, less the moment about z
+    // ∫ z² dm = (J_x + J_y − J_z)/2 for the axis z along the line
     let along = 0.5 * body.moments.iter().sum::<f64>() - body.moments[line];
     let wrong = body.spread
         && body.farthest > NO_MEASURE

@@ -27,7 +27,7 @@ pub fn to_png(svg: &str, scale: f32) -> Result<Vec<u8>, PlotError> {
     encoded(width, height, &pixmap.take_demultiplied()).map_err(|e| PlotError::Png(e.to_string()))
 }
 
-/// A PNG of pixels in RGBA. The usual compression takes as long as the rest of a picture, so a fast one serves.
+/// A PNG of pixels in RGBA. The usual compression takes as long as the rest of a picture, so a fast one is used.
 fn encoded(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
     let mut data = Vec::new();
     let mut encoder = png::Encoder::new(&mut data, width, height);

@@ -329,7 +329,7 @@ impl<'r> Evaluator<'r> {
     /// The last part of a signal with its expression.
     pub fn last_of(&self, part: Part, of: &Expression, track: Track) -> Result<Track, PostError> {
         let mut last = self.last(part, track)?;
-        // the angle that the other signals are over counts from the beginning, too
+        // the angles of the other signals count from the beginning, too
         if let (Part::Cycles(_), Expression::Channel { path, .. }, Some(angle)) =
             (part, of, &last.samples.angle)
             && path == CYCLE_ANGLE

@@ -47,7 +47,6 @@ use crate::results::{Gradient, Results};
 use eng_report::figure::Figure;
 use eng_report::signal::SignalError;
 use eng_system::DisplayUnit;
-use eng_system::expression::{Expression, Member};
 use eng_system::place::Location;
 use eng_system::report::{EntryKind, MessagePart, Report};
 use evaluate::Evaluator;
@@ -514,24 +513,17 @@ pub fn evaluate(report: &Report, runs: &[Run<'_>]) -> EvaluatedReport {
     }
 }
 
-/// A report whose values are the derivatives of the values of another one by a parameter with a unit. It has no other entries.
-/// The parameter must be one by which the runs are differentiated.
+/// The derivatives of a report by a parameter with a unit: a report with the values of the first one, each differentiated, and
+/// without other entries. The runs must be differentiated by this parameter.
 pub fn by_parameter(report: &Report, parameter: &str, unit: &DisplayUnit) -> Report {
-    let derived = |member: &Member| Member {
-        analysis: member.analysis.clone(),
-        channel: member.channel.clone(),
-        expression: Expression::Gradient {
-            of: Box::new(member.expression.clone()),
-            parameter: parameter.to_owned(),
-        },
-    };
     let values = report.entries.iter().filter_map(|entry| {
         let EntryKind::Value { members, display } = &entry.kind else {
             return None;
         };
         let mut entry = entry.clone();
+        let derivatives = members.iter().map(|member| member.derivative(parameter));
         entry.kind = EntryKind::Value {
-            members: members.iter().map(derived).collect(),
+            members: derivatives.collect(),
             display: display.over(unit),
         };
         Some(entry)

@@ -17,7 +17,7 @@ pub(super) struct Sampled {
     pub sampling: Sampling,
     /// Number of evenly spaced samples: all, or all but the last if a run ends between two.
     pub even: usize,
-    /// Number of these without the last, which is the first of the next cycle in whole cycles.
+    /// Number of these without the last one, which in whole cycles begins the next cycle.
     pub count: usize,
     /// Turns per second, if there is a cycle.
     pub speed: Option<f64>,

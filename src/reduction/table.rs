@@ -98,7 +98,8 @@ impl Reduction {
         Ok(())
     }
 
-    /// What the mesh holds, the worst shapes of its elements, and how well rigid motions of a free body cost nothing.
+    /// The contents of the mesh, the worst shapes of its elements, and the forces of rigid motions of a free body, which should
+    /// be zero.
     fn write_inventory(&self, out: &mut impl Write, size: f64) -> fmt::Result {
         let report = &self.stored.report;
         let Inventory {
@@ -227,7 +228,7 @@ struct Unit {
     size: f64,
 }
 
-/// Units of a quantity, large ones first, each with the least value that it is for.
+/// Units of a quantity, large ones first, each with the least value that is shown in it.
 type Units = [(f64, &'static str, f64)];
 
 const LENGTHS: &Units = &[(20.0, "m", 1.0), (1e-4, "mm", 1e-3), (0.0, "µm", 1e-6)];

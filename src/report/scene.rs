@@ -50,8 +50,8 @@ pub(super) struct Scene {
     pub maxima: Vec<Table>,
 }
 
-/// The motion of an analysis that has one; pictures of flexible bodies take no more than about `budget` bytes
-/// of a page. Stresses are shown at the moments `at`, at that of each body's largest, and as an envelope.
+/// The scene of an analysis with a motion. Pictures of flexible bodies take at most about `budget` bytes of a page. The scene
+/// shows stresses at the moments `at`, at the moment of each body's largest stress, and as an envelope.
 pub(super) fn scene(
     entry: &Entry,
     motion: &Results,

@@ -64,8 +64,7 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
     if finite { vec![part] } else { Vec::new() }
 }
 
-/// A cylinder as its two rims and four lines along it where its radius (m) is larger, so that it hides
-/// nothing.
+/// A cylinder whose radius is above `larger` (m) as its two rims and four lines along it, so that it hides nothing.
 pub(super) fn outlined(part: Part, larger: f64) -> Vec<Part> {
     let Part::Cylinder { from, to, radius } = part else {
         return vec![part];

@@ -15,8 +15,8 @@ pub(super) struct Thinned {
     pub stands_for: BTreeMap<u32, u32>,
 }
 
-/// The surface of `triangles` between nodes of a mesh with no more than `most` nodes, or as few as it can be
-/// drawn together to.
+/// The surface of `triangles` between nodes of a mesh, with at most `most` nodes, or with the fewest that the merging of nodes
+/// can reach.
 pub(super) fn thin(
     triangles: &[[u32; 3]],
     place: &dyn Fn(u32) -> [f64; 3],

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// A folder, a device or a pipe at the path.
 fn target(path: &Path) -> io::Result<PathBuf> {
     match regular(path) {
-        // a link without a target is replaced; making the folder reports a file in place of a folder
+        // a link without a target is replaced; the creation of the folder reports a file in its place
         Err(error)
             if matches!(
                 error.kind(),

@@ -25,7 +25,7 @@ pub(super) fn is_points(path: &Path) -> bool {
     has_ending(path, POINTS)
 }
 
-/// Why a file cannot be read as results, if it holds the points of a study.
+/// The reason why a file cannot be read as results, if it holds the points of a study.
 pub(super) fn refusal(schema: &Schema) -> Option<String> {
     let first = schema
         .fields()

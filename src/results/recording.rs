@@ -5,7 +5,7 @@ use super::table::{FAILED_BECAUSE, STATE};
 use super::{Last, Results, ResultsError, Selection, file_stem, remove_if_there};
 use std::path::{Path, PathBuf};
 
-/// The kept part of an analysis, and its place. Without a folder the samples stay in memory.
+/// The kept part of an analysis, and the folder for it. Without a folder the samples stay in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     /// Samples go to this folder while the analysis runs; at its end it holds `ANALYSIS.parquet`.

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// The largest number of samples that wait before they are written to disk. A choice: writing in portions is
 /// faster, and a failure loses no more.
 const BATCH: usize = 512;
-/// The longest time that a sample waits. A choice: figures of a run that is watched are as new.
+/// The longest time that a sample waits. A choice: figures of a run that someone watches are at most so old.
 const WAIT: Duration = Duration::from_millis(250);
 /// The least time between two checkpoints. A choice: a disk is not kept busy by them.
 const REST: Duration = Duration::from_millis(100);

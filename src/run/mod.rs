@@ -240,8 +240,8 @@ impl Watch for Watching<'_> {
     }
 }
 
-/// The machine of an analysis for its results, without what they do not have: modes and responses have no orbits and no
-/// peaks, and of a film a prescribed motion has the force alone.
+/// The machine of an analysis, reduced to the parts of which its results have columns: modes and responses have no orbits and
+/// no peaks, and a prescribed motion has only the force of a film.
 ///
 /// # Errors
 /// Parameters that the model refuses.

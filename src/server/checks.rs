@@ -11,7 +11,7 @@ use eng_grammar::{Diagnostics, SourceMap};
 use std::sync::Arc;
 use std::thread;
 
-/// How far a check goes. Each depth has the findings of those before it.
+/// The depth of a check. Each depth has the findings of those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Depth {
     /// Syntax, names, units and types: at every key.
@@ -46,7 +46,7 @@ pub(super) struct Found {
     pub failed: bool,
     /// The program, if a check of its models finds no error.
     pub program: Option<Program>,
-    /// Names, units and types; those of a text with mistakes as far as they are known. Of a check of texts alone.
+    /// Names, units and types, of a text with mistakes as far as they are known. Only a check of texts has them.
     pub typed: Option<Arc<TypedProgram>>,
 }
 

@@ -21,7 +21,7 @@ pub(super) fn dimension_at(
     let before = text.get(..place)?;
     let line = before.rsplit('\n').next()?;
     let (_, stated) = line.split_once(':')?;
-    // `param length: Length = 400 `: the type between the signs, read by itself
+    // in `param length: Length = 400 ` the type stands between the signs, and is parsed alone
     let stated = stated.split('=').next()?;
     let item = format!("param it: {stated} = 1\n");
     let file = parse(&item, SourceId(0), &mut Diagnostics::new());

@@ -1,4 +1,4 @@
-//! What a text does not say: types of values without a stated one, and the command that runs an analysis.
+//! Hints beside a text: the types of values that state none, and the command that runs an analysis.
 
 use super::document::{Document, position, range};
 use eng_compiler::program::{DefinitionId, Program, ValueType};

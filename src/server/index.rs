@@ -1,12 +1,16 @@
 //! Definitions by their names, from the syntax trees of a text, of the files that it uses and of the library. The trees
 //! of texts with mistakes have the items that could be read.
+//!
+//! Here are the modules, and the definitions at their top level.
+
+mod members;
+mod scope;
+
+pub(super) use members::OF_MARKERS;
 
 use super::document::Document;
 use crate::sources::Sources;
-use eng_grammar::ast::{
-    Binder, Declaration, Expr, ExprKind, File, Form, Function, Item, ItemKind, Kind, Name,
-    Parameter, TypeExpr, TypeExprKind, UseNames,
-};
+use eng_grammar::ast::{File, Item, ItemKind, Kind, Name, Parameter, UseNames};
 use eng_grammar::{Diagnostics, SourceId, Span, parse};
 use eng_system::host::Host;
 
@@ -84,61 +88,11 @@ impl<'i> Found<'i> {
     }
 }
 
-/// The class that a value calls: `Revolute(a, b)`; for an analysis, `transient(Engine(), …)`, its model.
-fn called(declaration: &Declaration) -> Option<&str> {
-    let Form::Instance { value, .. } = &declaration.form else {
-        return None;
-    };
-    let ExprKind::Call { callee, arguments } = &value.kind else {
-        return None;
-    };
-    if declaration.kind == Kind::Analysis {
-        return self::callee(&arguments.first()?.value);
-    }
-    word(callee)
-}
-
-/// The name that a call calls.
-fn callee(value: &Expr) -> Option<&str> {
-    match &value.kind {
-        ExprKind::Call { callee, .. } => word(callee),
-        _ => None,
-    }
-}
-
 /// Whether a definition is a declaration of one of some kinds.
 pub(super) fn is_kind(found: Found<'_>, kinds: &[Kind]) -> bool {
     let kind = found.item().map(|item| &item.kind);
     matches!(kind, Some(ItemKind::Declaration(declaration)) if kinds.contains(&declaration.kind))
 }
-
-fn word(value: &Expr) -> Option<&str> {
-    match &value.kind {
-        ExprKind::Name(name) => Some(name),
-        _ => None,
-    }
-}
-
-/// The name of a type, of its elements for an array.
-fn type_name(ty: &TypeExpr) -> Option<&str> {
-    match &ty.kind {
-        TypeExprKind::Name(name) => Some(&name.text),
-        TypeExprKind::Array(inner, _) => type_name(inner),
-        _ => None,
-    }
-}
-
-/// The members of a marker, with their meaning.
-pub(super) const OF_MARKERS: [(&str, &str); 8] = [
-    ("origin", "position of its origin"),
-    ("x", "its first axis"),
-    ("y", "its second axis"),
-    ("z", "its third axis"),
-    ("velocity", "velocity of its origin"),
-    ("angular_velocity", "angular velocity"),
-    ("acceleration", "acceleration of its origin"),
-    ("angular_acceleration", "angular acceleration"),
-];
 
 impl<'l> Index<'l> {
     pub fn new(library: &'l Library, document: &Document, sources: &Sources) -> Index<'l> {
@@ -267,269 +221,6 @@ impl<'l> Index<'l> {
         let all = self.visible(number);
         all.into_iter().find(|found| found.name().text == name)
     }
-
-    /// The definition of a path at a place of the document.
-    pub fn resolve(&self, names: &[String], place: usize) -> Option<Found<'_>> {
-        let (first, rest) = names.split_first()?;
-        let first = self
-            .in_scope(place)
-            .into_iter()
-            .find(|found| found.name().text == *first);
-        let mut found = match first {
-            Some(found) => found,
-            None => return self.in_use(names, place),
-        };
-        for name in rest {
-            found = self
-                .members(found)
-                .into_iter()
-                .find(|member| member.name().text == *name)?;
-        }
-        Some(found)
-    }
-
-    /// The definition that the last name of a `use` means.
-    fn in_use(&self, names: &[String], place: usize) -> Option<Found<'_>> {
-        let (last, path) = names.split_last()?;
-        if let Some(number) = self.numbered(&path.join(".")) {
-            return self.look_up(number, last);
-        }
-        // a name in the braces of a `use`, or the name of an argument
-        let module = self.module(self.own())?;
-        let item = module
-            .file
-            .items
-            .iter()
-            .find(|item| holds(item.span, place))?;
-        if let ItemKind::Use(item) = &item.kind {
-            let path: Vec<&str> = item.path.iter().map(|name| name.text.as_str()).collect();
-            return self.look_up(self.numbered(&path.join("."))?, last);
-        }
-        let callee = super::place::call_around(&module.text, place)?;
-        let class = self.resolve(&callee.names, callee.start)?;
-        let mut parameters = self.parameters(class).into_iter();
-        parameters.find(|parameter| parameter.name().text == *last)
-    }
-
-    /// The definitions that a place of the document sees, the nearest first.
-    pub fn in_scope(&self, place: usize) -> Vec<Found<'_>> {
-        let mut found = self.locals(place);
-        found.extend(self.visible(self.own()));
-        found
-    }
-
-    /// The definitions of the blocks around a place of the document, the nearest first.
-    pub fn locals(&self, place: usize) -> Vec<Found<'_>> {
-        let number = self.own();
-        let mut found = Vec::new();
-        let items = self
-            .module(number)
-            .map_or(&[][..], |module| &module.file.items);
-        let mut around: Vec<&Item> = Vec::new();
-        let mut items = items;
-        while let Some(item) = items.iter().find(|item| holds(item.span, place)) {
-            around.push(item);
-            items = item.kind.block().map_or(&[], |block| &block.items);
-        }
-        for item in around.into_iter().rev() {
-            let inner: Vec<What<'_>> = match &item.kind {
-                ItemKind::Declaration(declaration) => {
-                    let binders = of_index(&declaration.index);
-                    found.extend(self.inside(number, declaration));
-                    // the block of a use sees the names of its class
-                    let at_use = matches!(declaration.form, Form::Instance { .. });
-                    let block = declaration.block();
-                    if at_use && block.is_some_and(|block| holds(block.span, place)) {
-                        found.extend(self.of_class(number, declaration));
-                    }
-                    binders
-                }
-                ItemKind::Function(function) => of_function(function),
-                ItemKind::Table(table) => table.parameters.iter().map(What::Parameter).collect(),
-                ItemKind::Binding(binding) => of_index(&binding.index),
-                ItemKind::Report(report) => of_items(number, &report.block.items)
-                    .into_iter()
-                    .map(|f| f.what)
-                    .collect(),
-                _ => Vec::new(),
-            };
-            found.extend(inner.into_iter().map(|what| Found {
-                module: number,
-                what,
-            }));
-        }
-        found
-    }
-
-    /// The class of a name that a module sees: a definition, or the one to which it gives some arguments.
-    fn class(&self, number: usize, name: &str) -> Option<(usize, &Declaration)> {
-        let mut at = self.look_up(number, name)?;
-        for _ in 0..DEEPEST {
-            let ItemKind::Declaration(declaration) = &at.item()?.kind else {
-                return None;
-            };
-            match called(declaration) {
-                Some(next) => at = self.look_up(at.module, next)?,
-                None => return Some((at.module, declaration)),
-            }
-        }
-        None
-    }
-
-    /// The definitions of the class that an instance uses; of an analysis, those of its model.
-    fn of_class<'i>(&'i self, number: usize, declaration: &Declaration) -> Vec<Found<'i>> {
-        let class = called(declaration).and_then(|name| self.class(number, name));
-        class.map_or_else(Vec::new, |(module, class)| self.inside(module, class))
-    }
-
-    /// The definitions inside of a declaration: its parameters, its block, and those of its interfaces.
-    fn inside<'i>(&'i self, number: usize, declaration: &'i Declaration) -> Vec<Found<'i>> {
-        let mut found = Vec::new();
-        let mut at = (number, declaration);
-        for _ in 0..DEEPEST {
-            let (number, declaration) = at;
-            let interface = match &declaration.form {
-                Form::Class {
-                    parameters,
-                    interface,
-                    ..
-                } => {
-                    let parameters = parameters.iter().map(What::Parameter);
-                    found.extend(parameters.map(|what| Found {
-                        module: number,
-                        what,
-                    }));
-                    interface.as_ref()
-                }
-                Form::Plain { interface, .. } => interface.as_ref(),
-                Form::Instance { .. } => None,
-            };
-            if let Some(block) = declaration.block() {
-                found.extend(of_items(number, &block.items));
-            }
-            let next = interface.and_then(|name| self.look_up(number, &name.text));
-            match next {
-                Some(Found {
-                    module,
-                    what: What::Item(item, _),
-                }) => match &item.kind {
-                    ItemKind::Declaration(declaration) => at = (module, declaration),
-                    _ => break,
-                },
-                _ => break,
-            }
-        }
-        found
-    }
-
-    /// The definitions after the dot of a definition.
-    pub fn members<'i>(&'i self, found: Found<'i>) -> Vec<Found<'i>> {
-        let module = found.module;
-        let class = |name: &str| {
-            let class = self.class(module, name);
-            class.map_or_else(Vec::new, |(module, class)| self.inside(module, class))
-        };
-        let mut members = match found.what {
-            What::Parameter(parameter) => type_name(&parameter.ty).map(class).unwrap_or_default(),
-            What::Name(_) => Vec::new(),
-            What::Item(item, _) => match &item.kind {
-                ItemKind::Declaration(declaration) => match called(declaration) {
-                    Some(_) => self.of_class(module, declaration),
-                    None => self.inside(module, declaration),
-                },
-                ItemKind::Binding(binding) => {
-                    // `const oil = Oil(…)` has no type in its text
-                    let of_value = || binding.value.as_ref().and_then(callee);
-                    let name = binding.ty.as_ref().and_then(type_name).or_else(of_value);
-                    name.map(class).unwrap_or_default()
-                }
-                ItemKind::Choice(choice) => {
-                    let words = choice.words.iter().map(What::Name);
-                    words.map(|what| Found { module, what }).collect()
-                }
-                _ => Vec::new(),
-            },
-        };
-        // the cycle of a model is read by the word `cycle`
-        members.retain(|member| !is_kind(*member, &[Kind::Cycle]));
-        members
-    }
-
-    /// Whether a definition has a reaction, `force` and `torque`: it is a joint or a drive.
-    pub fn has_reaction(&self, found: Found<'_>) -> bool {
-        is_kind(found, &[Kind::Joint, Kind::Drive])
-    }
-
-    /// Whether a definition is a marker, or a name for one.
-    pub fn is_marker(&self, found: Found<'_>) -> bool {
-        match found.what {
-            What::Parameter(parameter) => type_name(&parameter.ty) == Some("Marker"),
-            What::Name(_) => false,
-            What::Item(item, _) => match &item.kind {
-                ItemKind::Declaration(declaration) => declaration.kind == Kind::Marker,
-                ItemKind::Binding(binding) => {
-                    binding.ty.as_ref().and_then(type_name) == Some("Marker")
-                }
-                _ => false,
-            },
-        }
-    }
-
-    /// The parameters of a class, a model or a function.
-    pub fn parameters<'i>(&'i self, found: Found<'i>) -> Vec<Found<'i>> {
-        let mut found = found;
-        // a function with some arguments of another one; a circle of them is a mistake
-        for _ in 0..DEEPEST {
-            let Some(ItemKind::Function(function)) = found.item().map(|item| &item.kind) else {
-                break;
-            };
-            let name = function.value.as_ref().and_then(callee);
-            let name = name.filter(|_| function.bound);
-            match name.and_then(|name| self.look_up(found.module, name)) {
-                Some(other) => found = other,
-                None => break,
-            }
-        }
-        let What::Item(item, _) = found.what else {
-            return Vec::new();
-        };
-        match &item.kind {
-            ItemKind::Function(function) => {
-                let parameters = function.parameters.iter().map(What::Parameter);
-                parameters
-                    .map(|what| Found {
-                        module: found.module,
-                        what,
-                    })
-                    .collect()
-            }
-            ItemKind::Declaration(declaration) => {
-                let bound = called(declaration).and_then(|name| self.class(found.module, name));
-                let (module, class) = bound.unwrap_or((found.module, declaration));
-                let mut inside = self.inside(module, class);
-                inside.retain(|one| match one.what {
-                    What::Parameter(_) => true,
-                    What::Item(item, _) => is_parameter(item, class.kind),
-                    What::Name(_) => false,
-                });
-                inside
-            }
-            _ => Vec::new(),
-        }
-    }
-}
-
-/// Whether an item in a block of a kind takes its value from an argument.
-fn is_parameter(item: &Item, of: Kind) -> bool {
-    use eng_grammar::ast::BindingKind;
-    match &item.kind {
-        ItemKind::Binding(binding) => match binding.kind {
-            BindingKind::Param | BindingKind::Const | BindingKind::Input => true,
-            BindingKind::Let => of == Kind::Record,
-            _ => false,
-        },
-        _ => false,
-    }
 }
 
 fn takes(names: Option<&UseNames>, name: &str) -> bool {
@@ -549,10 +240,6 @@ fn uses(file: &File) -> impl Iterator<Item = String> {
     })
 }
 
-fn holds(span: Span, place: usize) -> bool {
-    (span.start as usize) <= place && place <= span.end as usize
-}
-
 /// The definitions of items, with the words of their choices.
 fn of_items(module: usize, items: &[Item]) -> Vec<Found<'_>> {
     let mut found = Vec::new();
@@ -569,18 +256,4 @@ fn of_items(module: usize, items: &[Item]) -> Vec<Found<'_>> {
         }
     }
     found
-}
-
-fn of_index(index: &[Binder]) -> Vec<What<'_>> {
-    let names = index.iter().map(|binder| &binder.name);
-    names.map(What::Name).collect()
-}
-
-fn of_function(function: &Function) -> Vec<What<'_>> {
-    let parameters = function.parameters.iter().map(What::Parameter);
-    let lets = function
-        .lets
-        .iter()
-        .map(|binding| What::Name(&binding.name));
-    lets.chain(parameters).collect()
 }

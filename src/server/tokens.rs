@@ -1,4 +1,4 @@
-//! Colours of names by their meaning, which a pattern of words cannot know.
+//! Colours of names by their meaning, which patterns of words do not show.
 
 use super::document::Document;
 use super::index::Index;

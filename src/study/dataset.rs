@@ -281,8 +281,8 @@ impl Dataset {
         )
     }
 
-    /// The rows of all points that have ended, and the columns of the whole parts. Of a point in several parts a row that
-    /// ended well is taken.
+    /// The rows of all points that have ended, and the columns of the whole parts. If several parts have a point, the row that
+    /// ended well counts.
     ///
     /// # Errors
     /// Parts of another study; two rows that differ.
@@ -311,7 +311,7 @@ impl Dataset {
         Ok((rows, header))
     }
 
-    /// How far the study is, from its files alone.
+    /// The progress of the study, from its files alone.
     ///
     /// # Errors
     /// Files that cannot be read.

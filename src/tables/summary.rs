@@ -83,8 +83,7 @@ impl<'m> SummaryTable<'m> {
         }
     }
 
-    /// Whether a column shows the angles of its extremes. One with the angles of the extremes before it does
-    /// not repeat them.
+    /// Whether a column shows the angles of its extremes. It does not if the column before it has the same angles.
     pub fn shows_angles(&self, column: usize) -> bool {
         let angles = |column: usize| -> Vec<Option<f64>> {
             let cells = self

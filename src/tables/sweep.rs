@@ -9,7 +9,7 @@ use eng_system::analysis::STOP;
 use eng_system::significant::short;
 use eng_system::{Dimension, DisplayUnit};
 
-/// The analyses of one name with an index, two or more of them: `runup[1]`, `runup[2]`, …
+/// Two or more analyses with one name and an index: `runup[1]`, `runup[2]`, …
 pub(crate) fn families(outcomes: &[RunOutcome]) -> Vec<Vec<&RunOutcome>> {
     let mut families: Vec<Vec<&RunOutcome>> = Vec::new();
     for outcome in outcomes.iter().filter(|o| !o.point.is_empty()) {

@@ -14,6 +14,21 @@ pub struct Member {
     pub expression: Expression,
 }
 
+impl Member {
+    /// Its derivative by a parameter with a path, under the name of its channel.
+    #[must_use]
+    pub fn derivative(&self, parameter: &str) -> Member {
+        Member {
+            analysis: self.analysis.clone(),
+            channel: self.channel.clone(),
+            expression: Expression::Gradient {
+                of: Box::new(self.expression.clone()),
+                parameter: parameter.to_owned(),
+            },
+        }
+    }
+}
+
 /// A signal (a number at each sample of an analysis), a number or a truth value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expression {
@@ -57,7 +72,7 @@ pub enum Expression {
         /// Path of the parameter.
         parameter: String,
     },
-    /// The value (SI) of a parameter of an analysis, of those by which its run is differentiated.
+    /// The value (SI) of a parameter of an analysis; its run is differentiated by this parameter.
     Parameter {
         /// The analysis.
         analysis: String,

@@ -474,10 +474,10 @@ pub struct Past<'a> {
 /// How exactly a field is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Accuracy {
-    /// As exactly as the field can be: the answers have no error that differences of them would show.
+    /// As exact as possible: differences of the answers show no error.
     Full,
-    /// For an iterate of Newton's method. The answers may have an error far below the effect of the change of the
-    /// drives since the last solution. So the error vanishes as the iterates converge.
+    /// For an iterate of Newton's method. The answers may have an error. It is far below the effect of the change of the drives
+    /// since the last solution, so it vanishes as the iterates converge.
     Iterate,
 }
 

@@ -45,7 +45,7 @@ pub struct Input {
     pub parameter: u32,
     /// Its values between two points.
     pub interpolation: Interpolation,
-    /// Whether a value is the rate of it (`der`): a jump of its rate is one of the loads then.
+    /// Whether a value is its rate (`der`): then loads jump where the rate does.
     pub differentiated: bool,
     /// Name of the function of time in the text that gives its values. A stated value of the parameter replaces
     /// the function.

@@ -3,7 +3,7 @@
 /// Numbers of a marker: x (3, inertial), R (9, row-major, marker → inertial), ẋ (3, inertial), ω (3, in the
 /// MARKER's axes).
 pub const MARKER_WIDTH: u32 = 18;
-/// First of a marker's numbers that is of R; before it, and so first, are those of x.
+/// The first number of R among those of a marker. The numbers of x come before it.
 pub const ROTATION: u32 = 3;
 /// First of a marker's numbers that is of ẋ.
 pub const VELOCITY: u32 = 12;

@@ -11,7 +11,7 @@ pub fn listed(names: &[&str], most: usize) -> String {
     }
 }
 
-/// Names with `and`: `a`, `a and b`, `a, b and c`. The names behind `most` are counted: `a, b and 7 more`.
+/// Names with `and`: `a`, `a and b`, `a, b and c`. Names beyond `most` are counted: `a, b and 7 more`.
 pub fn joined(names: &[&str], most: usize) -> String {
     match names {
         names if names.len() > most => {

@@ -203,7 +203,7 @@ impl Condition {
     }
 }
 
-/// The kinks of a table along one argument: the points at which a derivative jumps that must not.
+/// The kinks of a table along one argument: the points at which a derivative jumps although it must be continuous.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct TableKink {
     /// The argument.
@@ -219,9 +219,9 @@ pub enum Course {
     /// On velocities or states, or on an input beside positions.
     #[default]
     Motion,
-    /// On inputs, and perhaps on time, but on nothing else: on time alone if all inputs are known ahead.
+    /// On inputs alone, and perhaps on time. It is a function of time if all inputs are known ahead.
     Inputs,
-    /// On positions, and perhaps on time, but on nothing else: `sin(place/(1 mm)) - 0.9`.
+    /// On positions alone, and perhaps on time: `sin(place/(1 mm)) - 0.9`.
     Position,
     /// On time alone, at a constant rate: `time - 1 s`.
     Uniform,
@@ -520,7 +520,7 @@ pub struct System {
     pub stated: std::collections::BTreeMap<String, Location>,
     /// Parts that the user's text makes of components of the library, in the order of their elaboration.
     pub parts: Vec<Part>,
-    /// Indices of the items that the text repeats, by path without index, also of items whose condition does not hold.
+    /// Indices of the items that the text repeats, by path without index. They include items whose condition does not hold.
     pub repeated: std::collections::BTreeMap<String, Vec<Vec<usize>>>,
     /// Quantities that lints follow through a turn without forces, in the order of their inputs of the bind graph.
     pub followed: Vec<crate::lint::Followed>,

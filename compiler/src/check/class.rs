@@ -12,7 +12,7 @@ use eng_grammar::ast::{
 };
 use eng_grammar::{Diagnostic, Span};
 
-/// The definition that an item is in, by the abilities that decide about its items.
+/// The definition around an item, by the properties on which the permitted items depend.
 #[derive(Clone, Copy)]
 struct Holder {
     /// A model or a component.

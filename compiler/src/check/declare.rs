@@ -420,8 +420,8 @@ impl<'p> Checker<'p> {
                 }
                 let set_by_use = is_parameter(binding) || binding.kind == BindingKind::Const;
                 match declared {
-                    // The declared type decides, not the value; only known lengths of lists add to it. An
-                    // argument may have another length than the default.
+                    // The type is the declared one, whatever the value; known lengths of lists add to it. An argument may have
+                    // another length than the default.
                     Type::List { .. } if !set_by_use || outer.definition.is_none() => found,
                     _ => declared.clone(),
                 }

@@ -97,7 +97,7 @@ struct Checker<'p> {
     start_of: Option<Span>,
     /// The choice whose words need no name of the choice before them here.
     choice_due: Option<DefinitionId>,
-    /// The component or class with the number for which a value after `with` is due.
+    /// The component or class that has the number, while a value after `with` is read.
     changed: Option<DefinitionId>,
     /// Values and functions being inferred.
     depth: u32,

@@ -145,7 +145,7 @@ impl<'a> Elaborator<'a, '_> {
 /// the order of the points.
 fn sorted(points: &mut Points) -> Result<(), Incomplete> {
     let axes: Vec<Vec<f64>> = points.arguments.iter().map(|x| distinct(x)).collect();
-    // columns of noise make a grid of more points than memory holds, but not of more than 128 bits count
+    // columns of noise make a grid of more points than memory holds, but their number fits into 128 bits
     let size: u128 = axes.iter().map(|axis| axis.len() as u128).product();
     let mut rows: Vec<(u128, usize)> = (0..points.values.len())
         .map(|row| {

@@ -1,10 +1,23 @@
 //! The loads that the elements of a model can put on a marker. A flexible body needs static modes for these
 //! loads.
+//!
+//! Each element is evaluated at random motions near the position of an assembled engine. Some loads are zero at the stated
+//! parameters, and `--set` or an input switches them on. So each constant that is zero and depends on a parameter or on the
+//! time is also tried as one. The following loads remain undetected:
+//!
+//! - a load that is zero as long as a parameter keeps its stated value, if that value is not zero or if one (SI) does not
+//!   switch the load on, such as a load behind a threshold of two;
+//! - a load that needs three or more of these zeros switched on and another one as stated, and one that needs two of them if an
+//!   element has more than [`MOST_PAIRED`];
+//! - a load that is zero at the time zero in all motions, such as an impulse;
+//! - a load that begins beyond the motions of the trials, such as that of a stop with a clearance above [`PARTNER_DISTANCE`].
 
 use super::flexible::{TermDraft, TermKind};
+use super::scalar::{FIXED, TIME};
 use super::{Elaborated, Elaborator};
 use crate::codes;
 use crate::ir::interpret::Interpreter;
+use crate::ir::{ClassFunctions, Node, inputs_of};
 use crate::resolve::suggest::listing;
 use eng_grammar::{Diagnostic, Span};
 use eng_system::code::{BindCode, Pair};
@@ -14,17 +27,19 @@ use eng_system::flexible::{
 };
 use eng_system::layout::{InputLayout, MARKER_WIDTH, ROTATION};
 use eng_system::lint;
-use eng_system::system::{BodyInertia, BodyRef, Element, Role};
+use eng_system::system::{BodyInertia, BodyRef, Element, Role, Slot};
 use std::sync::Arc;
 
-/// Random motions at which an element is tried, with the stated parameters and with all zeros switched on. A choice: a
+/// Random motions at which an element is tried with the stated parameters, and with all zeros switched on. A choice: a
 /// component that acts in half of all motions, as that of a stop, is missed once in 4096 elements.
 const TRIALS: usize = 12;
-/// Random motions at which it is tried with one parameter switched on. A choice: such a parameter is a factor, so
-/// most motions show its load.
-const TRIALS_OF_ONE: usize = 4;
-/// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below
-/// it. A choice: a much smaller share would count those, a larger one would overlook a real component.
+/// Random motions at which it is tried with one zero switched on, or with two. A choice: such a zero is a factor, so most
+/// motions show its load.
+const TRIALS_OF_FEW: usize = 4;
+/// Most zeros of an element that are tried in pairs. A choice: they make 66 pairs, which take a few milliseconds.
+const MOST_PAIRED: usize = 12;
+/// Share of a wrench that a component must reach to count. Friction of a film and misalignment remain below it. A choice: a
+/// much smaller share would count friction and misalignment, a larger one would overlook a real component.
 const COMPONENT_SHARE: f64 = 0.01;
 /// Arm (m) that converts moments to forces for the comparison. A choice: the size of a bearing or of a small
 /// joint.
@@ -32,8 +47,8 @@ const ARM: f64 = 0.1;
 /// Distance of the partners in a trial (m): small, as in an assembled engine. A choice: below the clearances
 /// of films, which would touch at a larger distance.
 const PARTNER_DISTANCE: f64 = 1e-5;
-/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: over [`ARM`] it is a way
-/// of [`PARTNER_DISTANCE`].
+/// Relative tilt of the partners (rad): small, as in an assembled engine. A choice: it moves a point at a distance of [`ARM`]
+/// by [`PARTNER_DISTANCE`].
 const PARTNER_TILT: f64 = 1e-4;
 /// Angular velocity of a trial (rad/s): 2900 rpm, an engine's speed. A choice: at rest films and dampers
 /// would transmit nothing.
@@ -48,8 +63,30 @@ pub struct Transmitted {
     pub turns: bool,
 }
 
+/// The slots of a model at the stated parameters.
+struct StatedSlots {
+    /// Their values; none if the model cannot be bound.
+    values: Vec<f64>,
+    /// Whether a parameter or the time changes them.
+    change: Vec<bool>,
+}
+
+impl StatedSlots {
+    fn of(elaborated: &Elaborated) -> StatedSlots {
+        let defaults = vec![None; elaborated.system.parameters.len()];
+        // an error in parameters is reported when the model is bound
+        let bound = elaborated.bind.bind(&defaults, &elaborated.system.tables);
+        let changing = elaborated.bind.depends(|k| k < FIXED || k == TIME);
+        let slots = elaborated.bind.function.outputs.iter();
+        StatedSlots {
+            values: bound.map(|bound| bound.slots).unwrap_or_default(),
+            change: slots.map(|node| changing[node.0 as usize]).collect(),
+        }
+    }
+}
+
 /// The loads that the elements of a model can put on a marker of the system.
-pub fn transmitted(elaborated: &Elaborated, slots: &[f64], marker: u32) -> Transmitted {
+fn transmitted(elaborated: &Elaborated, slots: &StatedSlots, marker: u32) -> Transmitted {
     let system = &elaborated.system;
     let mut found = Transmitted::default();
     for element in &system.elements {
@@ -67,10 +104,34 @@ pub fn transmitted(elaborated: &Elaborated, slots: &[f64], marker: u32) -> Trans
     found
 }
 
-/// The constants of the trials. A parameter of zero may switch a load off, and `--set` can switch it on, so each zero
-/// is also tried as one: all of them together, and each alone, because some switch a load off if they are not zero.
-fn settings(stated: &[f64]) -> Vec<Vec<f64>> {
-    let zeros: Vec<usize> = (0..stated.len()).filter(|i| stated[*i] == 0.0).collect();
+/// The constants of an element that may switch its load on a marker, or its rows, and are zero at the stated parameters. A zero
+/// of the law itself is none of them.
+fn zeros(
+    functions: &ClassFunctions,
+    slots: &StatedSlots,
+    element: &Element,
+    place: u32,
+) -> Vec<usize> {
+    let layout = functions.layout;
+    let outputs = &functions.residual.outputs;
+    let rows = layout.rows as usize;
+    let load = rows + 6 * place as usize;
+    let decided = [outputs.get(..rows), outputs.get(load..load + 6)];
+    let decided: Vec<Node> = decided.into_iter().flatten().flatten().copied().collect();
+    let inputs = inputs_of(&functions.residual.graph, &decided);
+    let zero = |(constant, slot): (u32, &Slot)| {
+        let at = slot.0 as usize;
+        let switches = slots.values.get(at) == Some(&0.0)
+            && slots.change.get(at) == Some(&true)
+            && inputs.contains(&layout.constant(constant));
+        switches.then_some(constant as usize)
+    };
+    (0..).zip(&element.constants).filter_map(zero).collect()
+}
+
+/// The constants of the trials: those stated, then with zeros that are ones. All zeros are switched on together. Some switch a
+/// load off if they are not zero, so each is switched on alone, and each with each.
+fn settings(stated: &[f64], zeros: &[usize]) -> Vec<Vec<f64>> {
     let switched = |on: &[usize]| {
         let mut constants = stated.to_vec();
         for i in on {
@@ -80,11 +141,20 @@ fn settings(stated: &[f64]) -> Vec<Vec<f64>> {
     };
     let mut all = vec![switched(&[]); TRIALS];
     if !zeros.is_empty() {
-        all.extend(std::iter::repeat_n(switched(&zeros), TRIALS));
+        all.extend(std::iter::repeat_n(switched(zeros), TRIALS));
     }
+    // one zero is all zeros, and so are two
     if zeros.len() > 1 {
         for zero in zeros {
-            all.extend(std::iter::repeat_n(switched(&[zero]), TRIALS_OF_ONE));
+            all.extend(std::iter::repeat_n(switched(&[*zero]), TRIALS_OF_FEW));
+        }
+    }
+    if (3..=MOST_PAIRED).contains(&zeros.len()) {
+        for (place, first) in zeros.iter().enumerate() {
+            for second in &zeros[..place] {
+                let both = switched(&[*first, *second]);
+                all.extend(std::iter::repeat_n(both, TRIALS_OF_FEW));
+            }
         }
     }
     all
@@ -92,7 +162,12 @@ fn settings(stated: &[f64]) -> Vec<Vec<f64>> {
 
 /// The loads of one element, found at random states near those of an assembled engine: partners at one
 /// position with parallel z axes.
-fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) -> Transmitted {
+fn tried(
+    elaborated: &Elaborated,
+    slots: &StatedSlots,
+    element: &Element,
+    place: u32,
+) -> Transmitted {
     let everything = Transmitted {
         freedoms: ALL_FREEDOMS,
         turns: true,
@@ -102,7 +177,7 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
     };
     let layout = functions.layout;
     let interpreter = Interpreter::new(&functions.residual);
-    let number = |slot: &eng_system::system::Slot| slots.get(slot.0 as usize).copied();
+    let number = |slot: &Slot| slots.values.get(slot.0 as usize).copied();
     let constants: Vec<f64> = element.constants.iter().filter_map(number).collect();
     let states: Vec<f64> = element.state_start.iter().filter_map(number).collect();
     let scales: Vec<f64> = element.state_scale.iter().filter_map(number).collect();
@@ -130,7 +205,8 @@ fn tried(elaborated: &Elaborated, slots: &[f64], element: &Element, place: u32) 
     let mut found = Transmitted::default();
     let mut greatest = [0.0f64; 6];
     let mut tries = 0;
-    for (trial, constants) in settings(&constants).iter().enumerate() {
+    let zeros = zeros(functions, slots, element, place);
+    for (trial, constants) in settings(&constants, &zeros).iter().enumerate() {
         // a load may consist of a state alone, which begins at zero; each setting is tried an even number of times
         let moved: Vec<f64> = states
             .iter()
@@ -289,13 +365,7 @@ impl Elaborator<'_, '_> {
         if drafts.is_empty() {
             return;
         }
-        let defaults = vec![None; elaborated.system.parameters.len()];
-        // an error in parameters is reported when the model is bound
-        let slots = elaborated
-            .bind
-            .bind(&defaults, &elaborated.system.tables)
-            .map(|b| b.slots)
-            .unwrap_or_default();
+        let slots = StatedSlots::of(elaborated);
         let mut sources = Vec::with_capacity(drafts.len());
         for draft in drafts {
             let mut source = draft.source;
@@ -391,7 +461,7 @@ impl Elaborator<'_, '_> {
     }
 }
 
-/// The warning about loads without a static mode. The caller adds what helps at its place.
+/// The warning about loads without a static mode. The caller adds the remedy.
 pub fn without_static_mode(body: &str, place: Span) -> Diagnostic {
     Diagnostic::warning(
         codes::UNSERVED,
@@ -513,12 +583,7 @@ impl Elaborated {
     /// For each marker of a flexible body, by its index in the source: whether an element turns it or depends
     /// on its axes.
     pub fn turned_markers(&self, flexible: u32) -> Vec<bool> {
-        let defaults = vec![None; self.system.parameters.len()];
-        let slots = self
-            .bind
-            .bind(&defaults, &self.system.tables)
-            .map(|b| b.slots)
-            .unwrap_or_default();
+        let slots = StatedSlots::of(self);
         let body = self
             .system
             .bodies

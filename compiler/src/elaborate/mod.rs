@@ -219,7 +219,8 @@ impl<'a> Elaborator<'a, '_> {
                     name: name.text.clone(),
                     path: path.to_owned(),
                     at: location(name.span),
-                    // the checker reports a name that is not a lint's, and notes the lints that it did not report
+                    // a name of no lint has a message of the checker; the findings have the acceptances that suppressed a
+                    // message of it
                     used: !self.lints.contains(name.text.as_str())
                         || self.typed.findings.accepted.contains(&name.span),
                 });

@@ -376,7 +376,7 @@ impl<'a> Elaborator<'a, '_> {
         }
     }
 
-    /// The channels of an element's outputs; `continuous` tells which outputs are.
+    /// The channels of an element's outputs; `continuous` marks the continuous ones.
     fn add_channels(
         &mut self,
         element: u32,

@@ -33,7 +33,7 @@ pub(super) fn all_arguments<'a>(partial: &Partial<'a>, passed: Vec<Passed<'a>>) 
     all
 }
 
-/// The place in the inner function of the parameter at a place among those without an argument.
+/// For a place among the parameters that have no argument yet: the place of this parameter in the inner function.
 fn free_place(partial: &Partial<'_>, place: u32) -> u32 {
     let taken = |at: &u32| partial.given.iter().all(|given| given.place != *at);
     // each given argument moves the place by one at most

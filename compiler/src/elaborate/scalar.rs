@@ -36,7 +36,7 @@ pub(crate) struct Flag {
 }
 
 /// The input layout of every element while it is lowered. At the end it is compacted to the used inputs. The numbers
-/// are choices far above those of the library's classes. A message tells if a class exceeds one of them.
+/// are choices far above those of the library's classes. A message refuses a class that exceeds one of them.
 pub(crate) const PROVISIONAL: InputLayout = InputLayout {
     markers: 64,
     states: 64,

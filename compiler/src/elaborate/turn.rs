@@ -226,7 +226,7 @@ impl<'a> Elaborator<'a, '_> {
         infos
     }
 
-    /// Sets the lints of the turn apart, and refuses numbers of the turn that decide more.
+    /// Moves the lints of the turn into a list of their own, and refuses numbers of the turn that decide anything but lints.
     pub(super) fn lints_of_turn(
         &mut self,
         system: &mut System,

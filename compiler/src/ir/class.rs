@@ -146,7 +146,7 @@ impl ClassBody {
             .iter()
             .flatten()
             .any(|n| graph.as_constant(*n) != Some(0.0));
-        // the applied loads alone: `rows_over_time` tells whether −Gᵀλ depends on time
+        // the applied loads alone: `rows_over_time` states whether −Gᵀλ depends on time
         let own: Vec<Node> = self
             .loads
             .iter()

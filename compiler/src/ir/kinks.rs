@@ -7,8 +7,8 @@
 //! function that it calls, and of a library. A function of constants alone never changes and does not count, except
 //! where a constant follows an input between two points of time.
 //!
-//! Which points of a table are kinks depends on its numbers, so the runtime finds them. The kink function is the
-//! argument of the table, and [`TableKink`] says how smooth the table must be there.
+//! Which points of a table are kinks depends on its numbers, so the runtime finds them. The kink function is the argument of
+//! the table, and [`TableKink`] states the smoothness that the table must have there.
 //!
 //! A kink in a branch that is not selected changes nothing. So each function has a number that is 1 while the value
 //! of its operation is used, and 0 while each `if` on the way selects another branch. `min` and `max` use

@@ -37,14 +37,18 @@ impl Orders {
     pub fn arguments(&self) -> usize {
         usize::from(self.count)
     }
+}
 
-    /// As one number, for generated code.
+/// Orders as one number, in which machine code passes them to the look-up.
+#[cfg(feature = "jit")]
+impl Orders {
+    /// The number of these orders.
     pub(crate) fn packed(self) -> u64 {
         let [a, b, c] = self.orders;
         u64::from(u32::from_le_bytes([self.count, a, b, c]))
     }
 
-    /// From the number of [`Orders::packed`].
+    /// The orders of a number of [`Orders::packed`].
     pub(crate) fn unpacked(packed: u64) -> Orders {
         let [count, a, b, c, ..] = packed.to_le_bytes();
         Orders {

@@ -163,8 +163,8 @@ impl Addresses {
     }
 }
 
-/// The stretch of a place. The start of an area is a base itself, so its first stretch reaches to one side
-/// only. The start of the room is in no register, so all of its stretches are whole.
+/// The stretch of a place. The start of an area is a base itself, so its first stretch reaches to one side only. No register
+/// has the start of the stack room, so each of its stretches reaches to both sides.
 fn stretch(place: Place) -> (Area, i64) {
     let offset = i64::from(place.index) * PAIR;
     let first = if place.area == Area::Room { 0 } else { REACH };
@@ -177,8 +177,7 @@ fn middle((area, number): (Area, i64)) -> i64 {
     first + 2 * REACH * number
 }
 
-/// The same value with its origin hidden from the generator, which would otherwise write the sum into every
-/// address.
+/// The same value, computed so that the generator does not see the sum: it would write the sum into every address.
 fn hidden(builder: &mut FunctionBuilder<'_>, value: Value) -> Value {
     let both = builder.ins().iconcat(value, value);
     builder.ins().isplit(both).0

@@ -43,7 +43,7 @@ pub(super) struct Range {
     pub low: f64,
     /// The value at which the colours end.
     pub high: f64,
-    /// The largest value. It is above `high` if the values at a few sharp edges would use up the range of
+    /// The largest value. It is above `high` if a few sharp edges have so large values that they would take most of the
     /// colours.
     pub largest: f64,
 }

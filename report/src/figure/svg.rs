@@ -176,7 +176,7 @@ impl<'a> Svg<'a> {
         }
     }
 
-    /// Everything until [`Svg::end_clip`] is cut at the rectangle, and moves when a reader zooms.
+    /// All marks drawn until [`Svg::end_clip`] are cut at the rectangle, and move when a reader zooms.
     pub fn begin_clip(&mut self, x: f64, y: f64, width: f64, height: f64) {
         self.clips += 1;
         let id = format!("{}clip{}", self.target.id, self.clips);

@@ -79,8 +79,8 @@ pub(crate) fn shortest(value: f64) -> String {
     }
 }
 
-/// Marks of a crank angle (°), at steps that divide a revolution, or at whole revolutions. There are at most
-/// `count` of them, except that two cycles of a four-stroke engine have a mark every 90°, as one cycle has.
+/// Marks of a crank angle (°), at steps that divide a revolution, or at whole revolutions. There are at most `count` of them.
+/// Two cycles of a four-stroke engine are an exception: they have a mark every 90°, as one cycle has.
 pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
     const STEPS: [f64; 11] = [
         1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0,

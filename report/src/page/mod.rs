@@ -270,7 +270,7 @@ impl Page {
         }
         let title = escaped(&self.title);
         let mut text = String::with_capacity(writer.text.len() + 64 * 1024);
-        // the policy lets nothing in from elsewhere; writing to a String cannot fail
+        // the policy allows no content of another origin; writing to a String cannot fail
         let _ = write!(
             text,
             "<!DOCTYPE html>

@@ -64,7 +64,7 @@ pub struct Limit {
     pub fits: fn(f64) -> bool,
     /// "must be …".
     pub due: &'static str,
-    /// The label and the help of its message, if "this is negative" does not suffice.
+    /// The label and the help of its message, if its label is not "this is negative".
     pub label_and_help: Option<(&'static str, &'static str)>,
 }
 

@@ -5,9 +5,9 @@ use super::{
     AnalysisKind, Extent, Given, Integration, Kind, KindRow, Limit, Rows, Start, Takes, Unplanned,
 };
 
-/// Defaults of `change` and `cycles`, and most cycles. Choices: a thousandth of a swing is not seen in a
-/// figure and is near the errors of the usual tolerance. A cycle that has not repeated after 40 decays
-/// slowly, and the report says how slowly.
+/// Defaults of `change` and `cycles`, and most cycles. Choices: a thousandth of a swing is not seen in a figure and is near the
+/// errors of the usual tolerance. A motion that has not repeated after 40 cycles decays slowly, and the report states its
+/// decay.
 const PLAIN_CHANGE: f64 = 1e-3;
 const PLAIN_CYCLES: u32 = 40;
 const MOST_CYCLES: f64 = 1e5;

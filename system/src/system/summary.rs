@@ -81,7 +81,7 @@ pub struct SummaryRow {
     pub element: u32,
     /// The values of the parameters; `None` for a value that depends on the motion.
     pub parameters: Vec<Option<Slot>>,
-    /// Indices into [`crate::system::System::channels`]; `None` for a column that the element's class has not.
+    /// Indices into [`crate::system::System::channels`]; `None` for a column that the element's class lacks.
     pub channels: Vec<Option<u32>>,
 }
 

@@ -76,7 +76,13 @@ impl<'a> Reporter<'a, '_> {
         for at in 0..count {
             let member = of.members.get(if of.list { at } else { 0 })?;
             let parameter = all.get(if many { at } else { 0 })?;
-            members.push(derived(member, &parameter.origin.path, many && !of.list));
+            let path = &parameter.origin.path;
+            let mut derived = member.derivative(path);
+            // several parameters of one value name the members
+            if many && !of.list {
+                derived.channel.clone_from(path);
+            }
+            members.push(derived);
         }
         let display = self.per(&of, &like);
         let change = of.quantity().difference();
@@ -339,7 +345,7 @@ impl<'a> Reporter<'a, '_> {
         }
         let of = parameters.iter().map(|parameter| {
             let path = &parameter.origin.path;
-            let by = derived(member, path, true);
+            let by = member.derivative(path);
             let change = Expression::Binary(
                 Operator::Multiply,
                 Box::new(Expression::Number(share)),
@@ -350,8 +356,9 @@ impl<'a> Reporter<'a, '_> {
             );
             let sides = (Box::new(by.expression), Box::new(change));
             Member {
+                channel: path.clone(),
                 expression: Expression::Binary(Operator::Multiply, sides.0, sides.1),
-                ..by
+                analysis: by.analysis,
             }
         });
         Some(of.collect())
@@ -413,21 +420,6 @@ fn parameters<'e>(expression: &'e Expression, found: &mut Vec<&'e str>) {
     }
     for part in expression.parts() {
         parameters(part, found);
-    }
-}
-
-/// A member's derivative by a parameter. If there are several parameters of one value, they name the members.
-pub(super) fn derived(member: &Member, parameter: &str, names: bool) -> Member {
-    Member {
-        analysis: member.analysis.clone(),
-        channel: match names {
-            true => parameter.to_owned(),
-            false => member.channel.clone(),
-        },
-        expression: Expression::Gradient {
-            of: Box::new(member.expression.clone()),
-            parameter: parameter.to_owned(),
-        },
     }
 }
 

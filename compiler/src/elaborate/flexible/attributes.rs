@@ -59,8 +59,8 @@ impl<'a> Elaborator<'a, '_> {
         span: Span,
         scope: ScopeId,
     ) -> Eval<Option<ShellSurfaces>> {
-        let names_none = |list: &ast::Expr| matches!(&list.kind, ExprKind::List { items, .. } if items.is_empty());
-        let groups = argument(word, arguments, "shells").filter(|list| !names_none(list));
+        let is_empty_list = |list: &ast::Expr| matches!(&list.kind, ExprKind::List { items, .. } if items.is_empty());
+        let groups = argument(word, arguments, "shells").filter(|list| !is_empty_list(list));
         let stated = argument(word, arguments, "shells").is_some();
         let thickness = argument(word, arguments, "thickness");
         let missing = match (groups, thickness) {
