@@ -77,6 +77,7 @@ mod response;
 mod run_command;
 mod run_diagnostics;
 mod settling_films;
+mod soft_places;
 mod solved;
 mod stacks;
 mod starts_and_cycles;

@@ -270,9 +270,9 @@ impl<'i> Walk<'i, '_> {
                 self.message(message);
                 self.inner.truncate(depth);
             }
-            Statement::Place { moving, on, height } => {
+            Statement::Place { moving, on, at } => {
                 self.values([moving, on]);
-                self.values(height);
+                self.values(at);
             }
             Statement::Rate { state, value } => {
                 self.name(&state.text, state.span);
