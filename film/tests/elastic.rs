@@ -1,13 +1,11 @@
 //! Elastic surfaces: the ring of the reference under load, the tangent, and the rigid limit.
 
-mod states;
-
+use crate::states::{number, pair, reference};
 use eng_film::{
     Accuracy, Cavitation, Elastic, ElasticRing, ElasticWork, Film, FilmSource, Inputs, Quantity,
     Shape, inputs,
 };
 use serde_json::Value;
-use states::{number, pair, reference};
 
 /// Shapes that do not change across: a constant, and cosines and sines of 2 to `most` waves.
 fn waves(most: u32) -> Vec<Shape> {

@@ -1,13 +1,11 @@
 //! Exact mass-conserving cases, and an orbit with memory.
 
-mod states;
-
+use crate::states::{number, pair, reference};
 use eng_film::{
     Accuracy, Cavitation, Elastic, ElasticWork, Ends, Feed, Film, FilmSource, Inputs, Opening,
     Part, Quantity, Shape, inputs,
 };
 use serde_json::Value;
-use states::{number, pair, reference};
 
 /// Angles at which the cavity begins and ends, and flux and force of a ring without end flow.
 fn ring(exact: &Value, cells: usize) -> [f64; 5] {
@@ -27,7 +25,7 @@ fn ring(exact: &Value, cells: usize) -> [f64; 5] {
         supply: &supply,
         ..Inputs::still(1.0)
     };
-    let solved = states::solved(source, inputs.write()).expect("a film");
+    let solved = crate::states::solved(source, inputs.write()).expect("a film");
     let [lines, _] = solved.film.lines();
     let (mut content, mut gap) = (vec![0.0; cells], vec![0.0; cells]);
     solved
@@ -188,7 +186,7 @@ fn squeeze_film_with_a_cavity_that_opens_and_fills() {
 /// The orbit of the reference: columns fx, fy, pmax, q_out, couette_content, volume over area, cavitated
 /// share at 16 times.
 fn orbit(orbit: &Value, cells: [usize; 2], steps: usize) -> Vec<[f64; 7]> {
-    let mut source = states::source(orbit, cells);
+    let mut source = crate::states::source(orbit, cells);
     source.cavitation = Cavitation::MassConserving;
     source.half_width = true;
     let film = Film::new(source).expect("a film");

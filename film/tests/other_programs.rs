@@ -1,10 +1,8 @@
 //! Cases that other programs publish with their results.
 
-mod states;
-
+use crate::states::number;
 use eng_film::{Cavitation, Feed, Film, FilmSource, Inputs, Opening, Part, Quantity, Work, inputs};
 use serde_json::Value;
-use states::number;
 
 fn cases() -> Value {
     serde_json::from_str(include_str!("reference/film_other_programs.json")).expect("JSON")
@@ -67,7 +65,7 @@ fn pfeil(case: &Value, cells: [usize; 2]) -> ([f64; 2], Vec<f64>) {
         supply: &supply,
         ..Inputs::still(get("viscosity_Pa_s"))
     };
-    let solved = states::solved(source, x.write()).expect("a film");
+    let solved = crate::states::solved(source, x.write()).expect("a film");
     let across = number(case, "across_m");
     let angles = numbers(case, "angles_deg");
     let around = angles

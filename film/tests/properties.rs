@@ -1,14 +1,12 @@
 //! Laws that every solution obeys on every grid: energy, mass, whirl, symmetry, objectivity, no
 //! allocation.
 
-mod states;
-
+use crate::states::{Solved, solved};
 use eng_film::{
     Beside, Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Lines, Opening, Part, Profile,
     Shape, inputs,
 };
 use proptest::prelude::*;
-use states::{Solved, solved};
 
 const RULES: [Cavitation; 3] = [
     Cavitation::Reynolds,

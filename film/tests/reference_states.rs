@@ -1,14 +1,12 @@
 //! 61 states of an independent solver: forces, moments, highest pressure, flows and shear, on 144 × 24 cells
 //! and extrapolated.
 
-mod states;
-
+use crate::states::{Solved, inputs, number, pair, reference, solved, source};
 use eng_film::{
     Cavitation, EdgeSlope, Ends, Feed, Film, FilmError, FilmSource, Inputs, Opening, Part,
     Roughness,
 };
 use serde_json::Value;
-use states::{Solved, inputs, number, pair, reference, solved, source};
 
 /// The state on this number of cells over the full width. Symmetric states use half of the width.
 fn on(state: &Value, cells: [usize; 2]) -> Solved {
@@ -175,7 +173,7 @@ fn half_of_the_width_is_the_whole() {
         {
             continue;
         }
-        let (half, whole) = (on(state, [72, 16]), states::state(state, [72, 16]));
+        let (half, whole) = (on(state, [72, 16]), crate::states::state(state, [72, 16]));
         let close = |a: f64, b: f64| (a - b).abs() < 1e-11 * (1.0 + b.abs());
         assert!(
             half.outputs

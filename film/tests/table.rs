@@ -1,10 +1,8 @@
 //! The table of the law `Reynolds`: its response against states of an independent solver, and points of the
 //! shipped file made again.
 
-mod states;
-
+use crate::states::{number, pair, reference};
 use eng_film::impedance::{HEADER, childs_response, line, points, solved_response};
-use states::{number, pair, reference};
 
 const FILE: &str = include_str!("../../stdlib/reynolds.csv");
 

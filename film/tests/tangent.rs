@@ -1,12 +1,10 @@
 //! Derivatives by adjoints against differences, and stiffness and damping of the reference.
 
-mod states;
-
+use crate::states::{number, pair, reference};
 use eng_film::{
     Cavitation, EdgeSlope, Feed, Film, FilmSource, Inputs, Opening, Part, Profile, Quantity,
     Roughness, Shape, Thinning, inputs,
 };
-use states::{number, pair, reference};
 
 /// Derivatives of all outputs by an input: central differences of two steps, extrapolated. The steps are so
 /// small that no cell changes sides.
@@ -464,11 +462,11 @@ fn stiffness_and_damping_of_the_reference() {
         .expect("rows")
     {
         let with = |edges: EdgeSlope, cells: [usize; 2]| {
-            let mut source = states::source(row, cells);
+            let mut source = crate::states::source(row, cells);
             (source.half_width, source.edges) = (true, edges);
             let film = Film::new(source).expect("a film");
             let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
-            let mut x = states::inputs(row, film.source().openings.len());
+            let mut x = crate::states::inputs(row, film.source().openings.len());
             x[0..2].copy_from_slice(&pair(row, "eps"));
             film.solve(&x, None, &[], &mut work, &mut y)
                 .expect("a film");

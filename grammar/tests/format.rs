@@ -1,8 +1,6 @@
 //! The one form of a text: it reads as the same tree, loses nothing, and is its own form.
 
-mod common;
-
-use common::{parsed, tree};
+use crate::common::{parsed, tree};
 use eng_grammar::{FormatError, SourceId, format};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};

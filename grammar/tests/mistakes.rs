@@ -1,8 +1,6 @@
 //! Wrong texts and the messages about them.
 
-mod common;
-
-use common::{messages, parsed, tree};
+use crate::common::{messages, parsed, tree};
 use eng_grammar::CODES;
 use eng_grammar::ast::ItemKind;
 use std::collections::BTreeSet;

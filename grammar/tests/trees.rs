@@ -1,8 +1,6 @@
 //! Small texts and their trees.
 
-mod common;
-
-use common::{expr, messages, parsed, tree, unit};
+use crate::common::{expr, messages, parsed, tree, unit};
 use eng_grammar::ast::{Expr, ExprKind, ItemKind, Statement};
 use eng_grammar::{
     Diagnostics, MessagePart, SourceId, parse_expression, parse_message, parse_placeholder,

@@ -1,5 +1,4 @@
 //! The reference states as films: units with R = c = μ = 1, so that tilt counts in slopes `2 tilt/B`.
-#![allow(dead_code, reason = "each test file uses a part")]
 
 use eng_film::{
     Cavitation, Feed, Film, FilmError, FilmSource, Inputs, Opening, Part, Summary, Work,

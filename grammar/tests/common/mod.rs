@@ -1,5 +1,4 @@
 //! Messages and trees as plain text.
-#![allow(dead_code)]
 
 use eng_grammar::ast::*;
 use eng_grammar::{Diagnostic, Diagnostics, Severity, SourceId, SourceMap, parse};
