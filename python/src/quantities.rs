@@ -4,7 +4,7 @@ use crate::failure;
 use eng::{Dimension, Quantity};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyMapping};
+use pyo3::types::{PyBool, PyFloat, PyMapping, PyString};
 
 /// The paths and values of a mapping.
 pub fn settings<'py>(
@@ -20,6 +20,16 @@ pub fn settings<'py>(
 /// The quantity for something of a dimension. `name` says in messages which value it is.
 pub fn quantity(name: &str, value: &Bound<'_, PyAny>, dimension: Dimension) -> PyResult<Quantity> {
     let py = value.py();
+    // `float` of a quantity of pint would lose its unit
+    let known = value.is_instance_of::<PyString>() || value.is_instance_of::<PyFloat>();
+    let foreign = match known {
+        true => None,
+        false => {
+            let quantities = py.import("englang._quantities")?;
+            Some(quantities.call_method1("text_of", (name, value))?)
+        }
+    };
+    let value = foreign.as_ref().unwrap_or(value);
     if let Ok(text) = value.extract::<String>() {
         let parsed = text.parse::<Quantity>();
         return parsed.map_err(|error| failure::setting(py, &format!("{name}: {error}")));

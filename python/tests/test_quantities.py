@@ -101,3 +101,11 @@ def test_runs_studies_and_bounds_take_quantities(shaft: eng.Program) -> None:
     bounds = {"stiffness": (UNITS.Quantity(1, "N*m/rad"), UNITS.Quantity(3, "N*m/rad"))}
     objective = shaft.objective("turn", "turns.most", ["stiffness"], bounds=bounds, gradient=False)
     assert objective.settings([0.5]) == {"stiffness": pytest.approx(2.0)}
+
+
+def test_a_simulation_takes_quantities(shaft: eng.Program) -> None:
+    model = shaft.model("Shaft")
+    simulation = model.simulation({"rate": UNITS.Quantity(2, "kilohertz")}, step=UNITS.Quantity(1, "millisecond"))
+    assert simulation.value("others") == pytest.approx(400.0)
+    with pytest.raises(eng.SettingError, match="stiffness"):
+        model.simulation({"stiffness": UNITS.Quantity(30, "degree")})
