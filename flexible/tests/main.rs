@@ -32,6 +32,7 @@ mod foreign_modes;
 mod foreign_mutations;
 mod geometric;
 mod gmsh_files;
+mod med_files;
 mod mesh_formats;
 mod mesh_inventory;
 mod modes;
