@@ -48,6 +48,7 @@ mod nastran_panels;
 mod nastran_splines;
 mod nastran_structure;
 mod nastran_tapers;
+mod nastran_weight;
 mod recovery;
 mod reduce_crank;
 mod reduce_errors;
