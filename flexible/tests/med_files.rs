@@ -1,5 +1,5 @@
 //! MED files: the same meshes written by gmsh in two formats; one solid of each shape as the library of Salome writes it; the
-//! layout of version 2.3; many groups; shells; wrong and damaged files with their messages.
+//! layout of version 2.2; many groups; shells; wrong and damaged files with their messages.
 
 use std::io::Read;
 use std::path::Path;
@@ -170,7 +170,7 @@ fn every_shape_of_salome() {
     }
 }
 
-/// The same mesh in the layout of MED 2.3, which is an older form of HDF5, too.
+/// The same mesh in the layout of MED 2.2, which is an older form of HDF5, too.
 #[test]
 fn files_of_version_2() {
     let (old, new) = (mesh("old"), mesh("kinds1"));
@@ -178,6 +178,14 @@ fn files_of_version_2() {
     assert_eq!(old.connectivity, new.connectivity);
     assert_eq!(old.sets, new.sets);
     assert_eq!(old.properties, new.properties);
+}
+
+/// Some files of code_aster have all solids mirrored.
+#[test]
+fn mirrored_solids() {
+    let (mirrored, plain) = (mesh("mirrored"), mesh("kinds2"));
+    assert_eq!(mirrored.connectivity, plain.connectivity);
+    assert_eq!(mirrored.sets, plain.sets);
 }
 
 /// HDF5 keeps the names of 300 families in a heap with a tree.

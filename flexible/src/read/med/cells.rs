@@ -2,7 +2,8 @@
 
 use super::folder::{AGAIN, File, Folder};
 use crate::error::FileProblem;
-use crate::mesh::ElementKind;
+use crate::fe::vector::{Vector, determinant, subtract};
+use crate::mesh::{ElementKind, Node};
 
 /// Geometries that are no elements here, with dimension and number of nodes: points, lines, and those with nodes inside.
 const OTHERS: &[(&str, u8, usize)] = &[
@@ -90,16 +91,34 @@ impl Cells {
         }))
     }
 
-    /// The indices of the nodes of a cell, in the order of its kind, in a mesh of so many nodes.
+    /// The indices of the nodes of a cell, in the order of its kind, in a mesh with these nodes. Some programs write mirrored
+    /// solids, and code_aster takes them as they are. The order of MED is the mirror image of ours, so these have our order.
     pub fn nodes_of(
         &self,
         file: &File<'_>,
         cell: usize,
-        nodes: usize,
+        nodes: &[Node],
     ) -> Result<Vec<u32>, FileProblem> {
         let order = self
             .kind
             .and_then(|kind| kind.description().names.med_order);
+        let found = self.in_order(file, cell, (nodes.len(), order))?;
+        let mirrored = self
+            .kind
+            .is_some_and(|kind| volume(kind, &found, nodes) < 0.0);
+        match mirrored {
+            true => self.in_order(file, cell, (nodes.len(), None)),
+            false => Ok(found),
+        }
+    }
+
+    /// The indices of the nodes of a cell by an order of places, in a mesh of so many nodes.
+    fn in_order(
+        &self,
+        file: &File<'_>,
+        cell: usize,
+        (nodes, order): (usize, Option<&[usize]>),
+    ) -> Result<Vec<u32>, FileProblem> {
         let mut found = Vec::with_capacity(self.nodes);
         for place in 0..self.nodes {
             let place = order.and_then(|order| order.get(place)).unwrap_or(&place);
@@ -130,4 +149,20 @@ impl Cells {
     pub fn family(&self, cell: usize) -> i64 {
         self.families.get(cell).copied().unwrap_or(0)
     }
+}
+
+/// Six times the volume of a solid between its corners, negative if it is mirrored; zero for a surface.
+fn volume(kind: ElementKind, own: &[u32], nodes: &[Node]) -> f64 {
+    let corner = |local: &usize| {
+        let index = own.get(*local).copied()?;
+        nodes.get(index as usize).map(|node| node.position)
+    };
+    let volumes = kind.description().simplices.iter().map(|simplex| {
+        let corners: Option<Vec<Vector>> = simplex.iter().map(corner).collect();
+        match corners.as_deref() {
+            Some([a, b, c, d]) => determinant(&[b, c, d].map(|x| subtract(*x, *a))),
+            _ => 0.0,
+        }
+    });
+    volumes.sum()
 }

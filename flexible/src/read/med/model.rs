@@ -209,7 +209,7 @@ impl<'f, 's> Model<'f, 's> {
             return Err(self.not_read(cells));
         };
         for cell in 0..cells.count {
-            let nodes = cells.nodes_of(self.file, cell, self.mesh.nodes.len())?;
+            let nodes = cells.nodes_of(self.file, cell, &self.mesh.nodes)?;
             for node in &nodes {
                 if let Some(on) = on_solid.get_mut(*node as usize) {
                     *on = true;
@@ -231,7 +231,7 @@ impl<'f, 's> Model<'f, 's> {
         on_solid: &[bool],
     ) -> Result<(), FileProblem> {
         for cell in 0..cells.count {
-            let nodes = cells.nodes_of(self.file, cell, self.mesh.nodes.len())?;
+            let nodes = cells.nodes_of(self.file, cell, &self.mesh.nodes)?;
             let groups = self.groups_of(cells, cell);
             if cells.dimension == 2 {
                 self.surfaces.extend(groups.iter().cloned());

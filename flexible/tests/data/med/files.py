@@ -1,7 +1,7 @@
 """Writes MED files for the tests with medcoupling 9.14, the library of Salome, and with h5py; and `.msh` of the same meshes with gmsh 4.15.
 
 `kinds1`, `kinds2`: one solid of each shape, of both orders. `many1`: a family for each of 300 cells. `old`: the mesh of
-`kinds1` in the layout of MED 2.3. `cover`: a hexahedron, shells
+`kinds1` in the layout of MED 2.2. `mirrored`: `kinds2` with mirrored solids. `cover`: a hexahedron, shells
 beside it and a face of it.
 """
 import os
@@ -84,7 +84,7 @@ def many():
 def old():
     with h5py.File("kinds1.med") as new, h5py.File("old.med", "w", libver="earliest") as file:
         about = file.create_group("INFOS_GENERALES")
-        for name, number in zip(("MAJ", "MIN", "REL"), (2, 3, 6)):
+        for name, number in zip(("MAJ", "MIN", "REL"), (2, 2, 2)):
             about.attrs[name] = np.int32(number)
         own = file.create_group("ENS_MAA/kinds")
         own.attrs["DIM"], own.attrs["TYP"] = np.int32(3), np.int32(0)
@@ -101,7 +101,9 @@ def old():
                 folder = families.create_group(f"FAMILLE_{family.attrs['NUM']}")
                 folder.attrs["NUM"] = np.int32(family.attrs["NUM"])
                 if "GRO" in family:
-                    folder.create_group("GRO").create_dataset("NOM", data=family["GRO/NOM"][:])
+                    # a zero byte follows the names
+                    names = np.frombuffer(family["GRO/NOM"][:].tobytes() + b"\0", "S1")
+                    folder.create_group("GRO").create_dataset("NOM", data=names)
 
 
 def cover():
@@ -125,13 +127,17 @@ old()
 cover()
 
 
-def wrong(name, change):
-    """A copy of `kinds1` with a change."""
-    with h5py.File("kinds1.med") as good, h5py.File(f"wrong_{name}.med", "w", libver="v108") as file:
+def changed(name, source, change):
+    """A copy of a file with a change."""
+    with h5py.File(f"{source}.med") as good, h5py.File(f"{name}.med", "w", libver="v108") as file:
         for part in good:
             good.copy(part, file)
         mesh = file["ENS_MAA/kinds"]
         change(file, mesh, next(iter(mesh.values())))
+
+
+def wrong(name, change):
+    changed(f"wrong_{name}", "kinds1", change)
 
 
 def replaced(folder, name, values, **how):
@@ -170,3 +176,19 @@ wrong("no_nodes", lambda file, mesh, step: step.__delitem__("NOE"))
 wrong("no_solids", lambda file, mesh, step: [step["MAI"].__delitem__(kind) for kind in ("HE8", "PE6", "PY5", "TE4")])
 wrong("no_groups", lambda file, mesh, step: file.__delitem__("FAS"))
 wrong("unknown", lambda file, mesh, step: (file.create_group("CHA"), file.create_group("STRUCT_ELEM")))
+
+# the nodes of mirrored solids; there is one of each kind
+MIRRORED = {
+    "T10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
+    "H20": [0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17],
+    "P15": [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13],
+    "P13": [0, 3, 2, 1, 4, 8, 7, 6, 5, 9, 12, 11, 10],
+}
+
+
+def mirror(file, mesh, step):
+    for kind, order in MIRRORED.items():
+        replaced(step["MAI"][kind], "NOD", step["MAI"][kind]["NOD"][:][order])
+
+
+changed("mirrored", "kinds2", mirror)
