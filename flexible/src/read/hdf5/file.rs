@@ -54,7 +54,10 @@ impl<'f> Hdf5<'f> {
         // the address of the extension or of free space
         at.skip(offset)?;
         let end = at.number(offset)?;
-        if base.checked_add(end).is_none_or(|end| end > bytes.len() as u64) {
+        if base
+            .checked_add(end)
+            .is_none_or(|end| end > bytes.len() as u64)
+        {
             return Err(Trouble::Cut);
         }
         if version < 2 {
