@@ -172,7 +172,7 @@ const MESH_WITH_UNITS: &[Argument] = &[
     optional("units", Takes::Word(UNITS)),
     optional("ignore", Takes::Texts),
 ];
-/// A mesh of gmsh, whose surfaces may be shells.
+/// A mesh of gmsh or Salome, whose surfaces may be shells.
 const MESH_WITH_SHELLS: &[Argument] = &[
     FILE,
     named("units", Takes::Word(UNITS)),
@@ -234,6 +234,12 @@ pub(crate) const WORDS: &[Word] = &[
         place: Place::Mesh,
         arguments: MESH_WITH_UNITS,
         example: "universal(\"block.unv\", units: mm_tonne_s)",
+    },
+    Word {
+        word: "med",
+        place: Place::Mesh,
+        arguments: MESH_WITH_SHELLS,
+        example: "med(\"block.med\", units: mm_tonne_s)",
     },
     Word {
         word: "csv",

@@ -566,10 +566,21 @@ pub struct Unread {
     pub name: String,
     /// Number of them.
     pub count: u64,
-    /// File and line of the first.
+    /// File and line of the first; 0 for a file of binary data.
     pub first: (String, u64),
     /// The kind of lost content.
     pub carries: Carries,
+}
+
+/// The mass of a mesh as its file states it, beside the elements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WeightCheck {
+    /// Mass.
+    pub mass: f64,
+    /// Centre of mass in the basic frame, if the file states the point to which it refers.
+    pub centre: Option<[f64; 3]>,
+    /// File and line.
+    pub place: (String, u64),
 }
 
 /// A mesh, as its file states it. All fields are open: readers fill them, and indices may be wrong. Assembly,
@@ -635,6 +646,8 @@ pub struct Mesh {
     pub units: Option<(String, [f64; 3])>,
     /// Notes on contents that were read by the rules of their code but may have another intention.
     pub doubts: Vec<String>,
+    /// The mass that the file states, by a check of its own code.
+    pub weight_check: Option<WeightCheck>,
 }
 
 impl Mesh {

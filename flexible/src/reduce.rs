@@ -154,6 +154,7 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         elements: mesh.elements.len(),
         estimate: fe::volume::estimate(&mesh).map(BodyMass::from),
         inventory: fe::Inventory::of(&mesh),
+        weight_check: mesh.weight_check.clone(),
         ..Report::default()
     };
     // the rows belong to the mesh before markers add nodes

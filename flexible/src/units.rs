@@ -22,6 +22,10 @@ impl Mesh {
         for node in &mut self.nodes {
             node.position = node.position.map(|x| x * length);
         }
+        if let Some(check) = &mut self.weight_check {
+            check.mass *= mass;
+            check.centre = check.centre.map(|centre| centre.map(|x| x * length));
+        }
         for axes in &mut self.beam_axes {
             axes.offsets = axes.offsets.map(|offset| offset.map(|x| x * length));
             axes.centroid = axes.centroid.map(|x| x * length);

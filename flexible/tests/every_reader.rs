@@ -146,6 +146,8 @@ fn damaged_files_through_every_reader() {
         "ansys/hexbeam.cdb.gz",
         "ansys/hypermesh.cdb.gz",
         "universal/wedge2.unv.gz",
+        "med/old.med.gz",
+        "med/wedge1.med.gz",
     ];
     let mut samples: Vec<Vec<u8>> = unpacked.iter().map(|name| short(name)).collect();
     // the compressed file, too
@@ -188,14 +190,15 @@ fn files_of_another_format_are_named_as_such() {
     let med = Only(b"\x89HDF\r\n\x1a\n\x02\x08\x08\x00\x00\x00".to_vec());
     for (_, format) in MeshFormat::NAMED {
         let (problem, advice) = said(read_mesh(&med, "file", *format).expect_err("no mesh"));
-        assert!(
-            problem.contains("holds HDF5 data, as the MED files of code_aster and Salome"),
-            "{problem}"
-        );
-        assert!(
-            advice.contains("`gmsh block.med -save -o block.msh`"),
-            "{advice}"
-        );
+        let (own, remedy) = match format {
+            MeshFormat::Med => ("the file ends before its contents", "give a MED file"),
+            _ => (
+                "holds HDF5 data, as the MED files of code_aster and Salome",
+                "write `med(…)` for this file",
+            ),
+        };
+        assert!(problem.contains(own), "{problem}");
+        assert!(advice.contains(remedy), "{advice}");
     }
     // a wrong file of the right format keeps its own message
     let (problem, _) = said(

@@ -17,8 +17,7 @@ use crate::codes;
 use crate::places::span;
 use eng_flexible::mesh::Mesh;
 use eng_flexible::modes::Dropped;
-use eng_flexible::read::gmsh::ShellGroups;
-use eng_flexible::read::read_mesh_of_gmsh;
+use eng_flexible::read::{ShellGroups, read_mesh_with_shells};
 use eng_flexible::reduce::{Report, Served};
 use eng_flexible::stack::{StackError, stack_mesh};
 use eng_flexible::store::{Key, StoredBody};
@@ -153,7 +152,7 @@ fn mesh_of(
                         groups: &shells.groups,
                         thickness: shells.thickness / unit,
                     };
-                    read_mesh_of_gmsh(files, &file.file, shells)
+                    read_mesh_with_shells(files, &file.file, file.format, shells)
                 }
             };
             let mut mesh = read.map_err(wrong)?;

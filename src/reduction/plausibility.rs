@@ -272,8 +272,13 @@ pub(super) fn unread(unread: &[Unread], source: &FlexibleSource) -> Option<Box<D
             Carries::Unknown => "not known",
             _ => "stiffness, mass or a constraint",
         };
+        // files of binary data have no lines
+        let first = match line {
+            0 => String::new(),
+            line => format!(" (the first at {file}:{line})"),
+        };
         message = message.with_note(format!(
-            "{} × {} (the first at {file}:{line}): {effect}",
+            "{} × {}{first}: {effect}",
             unread.count, unread.name
         ));
     }

@@ -4,6 +4,7 @@ use super::Reduction;
 use crate::counted::counted;
 use eng_flexible::fe::quality::{LONG, SHARP};
 use eng_flexible::fe::{Inventory, Worst};
+use eng_flexible::mesh::WeightCheck;
 use eng_flexible::reduce::BodyMass;
 use eng_system::significant::{fixed, short, significant};
 use std::fmt::{self, Write};
@@ -63,6 +64,9 @@ impl Reduction {
                 "  from volumes between corners: {}",
                 properties(estimate, size)
             )?;
+        }
+        if let Some(check) = &report.weight_check {
+            writeln!(out, "  {}", weight_check(check, &report.body, size))?;
         }
         self.write_inventory(out, size)?;
         for dropped in &report.dropped {
@@ -288,6 +292,36 @@ fn properties(body: &BodyMass, size: f64) -> String {
     )
 }
 
+/// The mass and centre that the file of the mesh states, and their differences from those of the body. `size` (m) is about the body's.
+fn weight_check(check: &WeightCheck, body: &BodyMass, size: f64) -> String {
+    let mass = Unit::for_size(MASSES, check.mass);
+    let length = Unit::for_size(LENGTHS, size);
+    let (file, line) = &check.place;
+    let mut text = format!(
+        "weight check in {file}:{line}: mass {} {} (Eng: {:+.4} %)",
+        significant(check.mass / mass.size, 7),
+        mass.symbol,
+        100.0 * (body.mass / check.mass - 1.0)
+    );
+    if let Some(centre) = check.centre {
+        let [x, y, z] = centre.map(|c| significant(without_rounding(c, size) / length.size, 6));
+        let square: f64 = centre
+            .iter()
+            .zip(body.centre)
+            .map(|(a, b)| (a - b) * (a - b))
+            .sum();
+        // writing to a text cannot fail
+        let _ = write!(
+            text,
+            ", centre ({x}, {y}, {z}) {} (Eng: {} {} away)",
+            length.symbol,
+            short(libm::sqrt(square) / length.size, 2),
+            length.symbol
+        );
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,6 +348,24 @@ mod tests {
         assert_eq!(
             properties(&body(4e6, 60.0), 60.0),
             "mass 4000.000 t, centre (0, 15.0000, 0) m, inertia about it xx 1.44000e10, yy 1.44000e10, zz 14400000, xy 0, yz 288000000, zx 0 kg m²"
+        );
+    }
+
+    #[test]
+    fn the_weight_check_stands_beside_the_mass() {
+        let check = WeightCheck {
+            mass: 2.0,
+            centre: Some([0.0, 0.1, 0.0]),
+            place: ("rod.bdf".into(), 7),
+        };
+        let body = BodyMass {
+            mass: 2.01,
+            centre: [0.0, 0.1, 0.002],
+            inertia: [[0.0; 3]; 3],
+        };
+        assert_eq!(
+            weight_check(&check, &body, 0.1),
+            "weight check in rod.bdf:7: mass 2.000000 kg (Eng: +0.5000 %), centre (0, 100.000, 0) mm (Eng: 2 mm away)"
         );
     }
 

@@ -120,7 +120,7 @@ pub struct MeshFile {
     pub units: Option<MeshUnits>,
     /// Cards and keywords that may be left out although they carry stiffness, mass or constraints.
     pub ignored: Vec<String>,
-    /// The surfaces of a mesh of gmsh that are shells.
+    /// The surfaces of a mesh of gmsh or of a MED file that are shells.
     pub shells: Option<ShellSurfaces>,
     /// Place of the source in the text.
     pub at: Location,

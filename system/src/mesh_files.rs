@@ -27,6 +27,8 @@ pub enum MeshFormat {
     Ansys,
     /// A universal file of I-deas (`.unv`, `.uff`).
     Universal,
+    /// A MED file of Salome and code_aster.
+    Med,
     /// A table of nodes as text.
     Csv,
 }
@@ -39,6 +41,7 @@ impl Stated for MeshFormat {
         ("gmsh", MeshFormat::Gmsh),
         ("ansys", MeshFormat::Ansys),
         ("universal", MeshFormat::Universal),
+        ("med", MeshFormat::Med),
         ("csv", MeshFormat::Csv),
     ];
 }

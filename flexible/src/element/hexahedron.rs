@@ -63,6 +63,8 @@ pub(super) const HEXAHEDRON8: Description = Description {
         abaqus: &["C3D8"],
         gmsh: Some(5),
         universal: Some(115),
+        med: Some("HE8"),
+        med_order: Some(&[0, 3, 2, 1, 4, 7, 6, 5]),
         ..Names::NONE
     },
 };
@@ -92,6 +94,10 @@ pub(super) const HEXAHEDRON20: Description = Description {
         universal_order: Some(&[
             0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11,
         ]),
+        med: Some("H20"),
+        med_order: Some(&[
+            0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17,
+        ]),
         ..Names::NONE
     },
     ..HEXAHEDRON8
@@ -118,6 +124,7 @@ pub(super) const QUADRILATERAL4: Description = Description {
         abaqus: &["S4", "S4R", "S4RS", "S4RSW", "S4R5"],
         abaqus_facets: &["4", "4R", "4I"],
         gmsh: Some(3),
+        med: Some("QU4"),
         ..Names::NONE
     },
 };
@@ -133,6 +140,7 @@ pub(super) const QUADRILATERAL8: Description = Description {
         abaqus: &["S8", "S8R", "S8R5"],
         abaqus_facets: &["8", "8R"],
         gmsh: Some(16),
+        med: Some("QU8"),
         ..Names::NONE
     },
     ..QUADRILATERAL4

@@ -154,6 +154,10 @@ pub(crate) struct Names {
     pub(crate) universal: Option<u32>,
     /// Position of each node in a universal file.
     pub(crate) universal_order: Option<&'static [usize]>,
+    /// Name in MED files. Its corners run around a solid's first face as an observer outside sees them.
+    pub(crate) med: Option<&'static str>,
+    /// Position of each node in a MED file.
+    pub(crate) med_order: Option<&'static [usize]>,
 }
 
 impl Names {
@@ -167,6 +171,8 @@ impl Names {
         gmsh_order: None,
         universal: None,
         universal_order: None,
+        med: None,
+        med_order: None,
     };
 }
 
@@ -232,6 +238,12 @@ impl ElementKind {
     /// The kind of a type of gmsh.
     pub(crate) fn of_gmsh(number: i32) -> Option<ElementKind> {
         let named = |kind: &ElementKind| kind.description().names.gmsh == Some(number);
+        Self::ALL.into_iter().find(named)
+    }
+
+    /// The kind of a name in MED files.
+    pub(crate) fn of_med(name: &str) -> Option<ElementKind> {
+        let named = |kind: &ElementKind| kind.description().names.med == Some(name);
         Self::ALL.into_iter().find(named)
     }
 

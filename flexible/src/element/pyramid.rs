@@ -47,6 +47,8 @@ pub(super) const PYRAMID5: Description = Description {
         nastran: &["CPYRAM", "CPYRA"],
         abaqus: &["C3D5"],
         gmsh: Some(7),
+        med: Some("PY5"),
+        med_order: Some(&[0, 3, 2, 1, 4]),
         ..Names::NONE
     },
 };
@@ -65,6 +67,8 @@ pub(super) const PYRAMID13: Description = Description {
         abaqus: &["C3D13"],
         gmsh: Some(19),
         gmsh_order: Some(&[0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12]),
+        med: Some("P13"),
+        med_order: Some(&[0, 3, 2, 1, 4, 8, 7, 6, 5, 9, 12, 11, 10]),
         ..Names::NONE
     },
     ..PYRAMID5

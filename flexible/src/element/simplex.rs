@@ -27,6 +27,8 @@ pub(super) const TETRAHEDRON4: Description = Description {
         abaqus: &["C3D4"],
         gmsh: Some(4),
         universal: Some(111),
+        med: Some("TE4"),
+        med_order: Some(&[0, 2, 1, 3]),
         ..Names::NONE
     },
 };
@@ -48,6 +50,8 @@ pub(super) const TETRAHEDRON10: Description = Description {
         universal: Some(118),
         // the nodes around the bottom with those of its edges, the edges to the apex, the apex
         universal_order: Some(&[0, 2, 4, 9, 1, 3, 5, 6, 7, 8]),
+        med: Some("T10"),
+        med_order: Some(&[0, 2, 1, 3, 6, 5, 4, 7, 9, 8]),
         ..Names::NONE
     },
     ..TETRAHEDRON4
@@ -74,6 +78,7 @@ pub(super) const TRIANGLE3: Description = Description {
         abaqus: &["S3", "S3R", "S3RS", "STRI3"],
         abaqus_facets: &["3", "3T"],
         gmsh: Some(2),
+        med: Some("TR3"),
         ..Names::NONE
     },
 };
@@ -89,6 +94,7 @@ pub(super) const TRIANGLE6: Description = Description {
         abaqus: &["S6", "STRI65"],
         abaqus_facets: &["6", "6M"],
         gmsh: Some(9),
+        med: Some("TR6"),
         ..Names::NONE
     },
     ..TRIANGLE3

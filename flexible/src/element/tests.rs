@@ -249,10 +249,13 @@ fn middle_nodes_belong_to_their_edges() {
 fn names_find_their_kinds_and_orders_are_permutations() {
     for kind in ElementKind::ALL {
         let names = kind.description().names;
-        for order in [names.nastran_order, names.gmsh_order, names.universal_order]
-            .into_iter()
-            .flatten()
-        {
+        let orders = [
+            names.nastran_order,
+            names.gmsh_order,
+            names.universal_order,
+            names.med_order,
+        ];
+        for order in orders.into_iter().flatten() {
             let mut sorted = order.to_vec();
             sorted.sort_unstable();
             assert_eq!(
@@ -277,6 +280,9 @@ fn names_find_their_kinds_and_orders_are_permutations() {
         }
         if let Some(descriptor) = names.universal {
             assert_eq!(ElementKind::of_universal(descriptor), Some(kind));
+        }
+        if let Some(name) = names.med {
+            assert_eq!(ElementKind::of_med(name), Some(kind));
         }
     }
     let hexahedron = ElementKind::Hexahedron20.description();

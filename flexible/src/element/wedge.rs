@@ -50,6 +50,8 @@ pub(super) const WEDGE6: Description = Description {
         abaqus: &["C3D6"],
         gmsh: Some(6),
         universal: Some(112),
+        med: Some("PE6"),
+        med_order: Some(&[0, 2, 1, 3, 5, 4]),
         ..Names::NONE
     },
 };
@@ -73,6 +75,8 @@ pub(super) const WEDGE15: Description = Description {
         universal: Some(113),
         // the nodes around the bottom with those of its edges, the vertical edges, the nodes around the top
         universal_order: Some(&[0, 2, 4, 9, 11, 13, 1, 3, 5, 10, 12, 14, 6, 7, 8]),
+        med: Some("P15"),
+        med_order: Some(&[0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13]),
         ..Names::NONE
     },
     ..WEDGE6

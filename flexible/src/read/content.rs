@@ -3,6 +3,7 @@
 
 use std::io::Read;
 
+use super::hdf5::SIGNATURE;
 use super::{Files, number};
 use crate::error::{FileProblem, FlexibleError, Place};
 use eng_system::mesh_files::Stated;
@@ -50,12 +51,9 @@ pub(crate) enum Content {
     PunchedShapes,
     /// Results of CalculiX.
     Frd,
-    /// Data of HDF5, which holds the meshes of code_aster and Salome (MED).
+    /// Data of HDF5: a MED file.
     Hdf5,
 }
-
-/// The first bytes of a file of HDF5.
-const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 impl Content {
     /// Whether its lines hold numbers alone.
@@ -90,16 +88,6 @@ impl Content {
         }
     }
 
-    /// The way to a file that Eng reads, for contents that no reader takes.
-    fn detour(self) -> Option<&'static str> {
-        match self {
-            Content::Hdf5 => Some(
-                "gmsh converts MED files with their groups: `gmsh block.med -save -o block.msh`, and then write `gmsh(…)`",
-            ),
-            _ => None,
-        }
-    }
-
     /// The contents of a file, if its beginning shows them. A compressed file is unpacked.
     pub(crate) fn of(files: &dyn Files, file: &str) -> Option<Content> {
         let mut bytes = Vec::new();
@@ -111,7 +99,7 @@ impl Content {
 
     /// Decides by the length of the first record, in either order of bytes.
     fn of_binary(bytes: &[u8]) -> Option<Content> {
-        if bytes.starts_with(HDF5) {
+        if bytes.starts_with(SIGNATURE) {
             return Some(Content::Hdf5);
         }
         let first = *bytes.first_chunk::<4>()?;
@@ -233,10 +221,9 @@ pub(crate) fn explained<F: Readable, T>(
         fit.map(|(name, _)| F::written(name)).collect()
     };
     let others = names(&|format| format.proposed(content));
-    let advice = match (others.is_empty(), content.detour()) {
-        (false, _) => format!("write {} for this file", others.join(" or ")),
-        (true, Some(detour)) => detour.to_owned(),
-        (true, None) => format!(
+    let advice = match others.is_empty() {
+        false => format!("write {} for this file", others.join(" or ")),
+        true => format!(
             "Eng reads {} by {}",
             F::READ_FOR,
             names(&|_| true).join(", ")
@@ -294,7 +281,7 @@ mod tests {
         ] {
             assert_eq!(Content::of_binary(&bytes), Some(content));
         }
-        assert_eq!(Content::of_binary(HDF5), Some(Content::Hdf5));
+        assert_eq!(Content::of_binary(SIGNATURE), Some(Content::Hdf5));
         assert_eq!(Content::of_binary(b"$Mesh"), None);
         assert_eq!(Content::of_binary(b"$"), None);
     }

@@ -8,9 +8,11 @@ mod builder;
 mod content;
 pub mod csv;
 pub mod gmsh;
+mod hdf5;
 mod held;
 mod labels;
 pub mod matrix;
+pub mod med;
 pub mod nastran;
 mod number;
 mod source;
@@ -25,7 +27,6 @@ use crate::error::{FileProblem, FlexibleError, Place};
 use crate::mesh::{Code, Mesh};
 use content::{Content, Readable, explained};
 pub use eng_system::mesh_files::MeshFormat;
-use gmsh::ShellGroups;
 
 /// Opens files for the readers. Names are those of the model's text. A name inside a file (`INCLUDE`) is
 /// first relative to the including file, then to the model.
@@ -37,6 +38,22 @@ pub trait Files {
     fn open(&self, name: &str) -> io::Result<Box<dyn Read>>;
 }
 
+/// Groups of surfaces that are shells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShellGroups<'a> {
+    /// Their names; in a file of gmsh also `physical:TAG` or `physical:2:TAG`. Only the last one names a group whose number a
+    /// group of another dimension has too.
+    pub groups: &'a [String],
+    /// Their thickness, in the unit of length of the file.
+    pub thickness: f64,
+}
+
+/// No shells.
+const NO_SHELLS: ShellGroups<'static> = ShellGroups {
+    groups: &[],
+    thickness: 0.0,
+};
+
 impl Readable for MeshFormat {
     const READ_FOR: &'static str = "meshes";
 
@@ -47,6 +64,7 @@ impl Readable for MeshFormat {
             MeshFormat::Gmsh => content == Content::GmshMesh,
             MeshFormat::Ansys => content == Content::AnsysArchive,
             MeshFormat::Universal => content == Content::UniversalFile,
+            MeshFormat::Med => content == Content::Hdf5,
             // the beginning of a wrong table may look as any list of numbers
             MeshFormat::Csv => content.is_numbers(),
         }
@@ -72,22 +90,35 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
         MeshFormat::Gmsh => gmsh::read_msh(files, name),
         MeshFormat::Ansys => ansys::read_cdb(files, name),
         MeshFormat::Universal => universal::read_unv(files, name),
+        MeshFormat::Med => med::read_med(files, name),
         MeshFormat::Csv => csv::read_nodes(files, name),
     };
     explained(files, name, format, read)
 }
 
-/// Reads a mesh of gmsh, of which groups of triangles and quadrangles are shells. Its units are still those of the file.
+/// Reads a mesh of gmsh or a MED file, of which groups of triangles and quadrangles are shells. Its units are still those of
+/// the file.
 ///
 /// # Errors
-/// Those of the reader, and a group without such surfaces. If the file has another format, the error names it.
-pub fn read_mesh_of_gmsh(
+/// Those of the reader, and a group without such surfaces. If the file has another format, the error names it. Files of other
+/// formats have sections of their own for shells.
+pub fn read_mesh_with_shells(
     files: &dyn Files,
     name: &str,
+    format: MeshFormat,
     shells: ShellGroups<'_>,
 ) -> Result<Mesh, FlexibleError> {
-    let read = gmsh::read_msh_with_shells(files, name, shells);
-    explained(files, name, MeshFormat::Gmsh, read)
+    let read = match format {
+        MeshFormat::Gmsh => gmsh::read_msh_with_shells(files, name, shells),
+        MeshFormat::Med => med::read_med_with_shells(files, name, shells),
+        _ => Err(source::whole(
+            name,
+            "the thickness of its shells is in the file, not in `shells`",
+            "leave out `shells` and `thickness`",
+        )
+        .into()),
+    };
+    explained(files, name, format, read)
 }
 
 /// The damage of a gzip-compressed file, found by unpacking all of it. `None` for an undamaged or an unpacked

@@ -1,6 +1,7 @@
 //! The results of a reduction for tables and lints.
 
 use crate::fe::{Inventory, RigidMass};
+use crate::mesh::WeightCheck;
 use crate::modes::Dropped;
 use crate::solve::SturmCount;
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,8 @@ pub struct Report {
     /// Mass properties from the volumes of elements between their corners, their densities and the point
     /// masses. `None` for a mesh without such elements.
     pub estimate: Option<BodyMass>,
+    /// The mass that the mesh's file states, by a check of its own code (SI).
+    pub weight_check: Option<WeightCheck>,
     /// What the mesh holds, and the shape of its elements.
     pub inventory: Inventory,
     /// The interface motion of each static mode, in the order of the terms.

@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::ShellGroups;
 use super::shapes::Type;
 use super::stream::Stream;
 use crate::error::FileProblem;
 use crate::mesh::{
     Carries, ElementKind, Mesh, Node, Property, Section, Set, ShellSection, Unread, Variant,
 };
+use crate::read::ShellGroups;
 use crate::read::builder::{NewElement, Once, TooMany, add_element};
 use crate::read::labels::Labels;
 

@@ -13,26 +13,10 @@ mod version4;
 
 use crate::error::{FileProblem, FlexibleError};
 use crate::mesh::{Carries, Mesh};
-use crate::read::Files;
 use crate::read::source::whole;
+use crate::read::{Files, NO_SHELLS, ShellGroups};
 use content::{Content, full_name};
 use stream::Stream;
-
-/// Groups of surfaces that are shells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShellGroups<'a> {
-    /// Their names, `physical:TAG` or `physical:2:TAG`. Only the last one names a group whose number a group of another
-    /// dimension has too.
-    pub groups: &'a [String],
-    /// Their thickness, in the unit of length of the file.
-    pub thickness: f64,
-}
-
-/// No shells.
-const NO_SHELLS: ShellGroups<'static> = ShellGroups {
-    groups: &[],
-    thickness: 0.0,
-};
 
 /// Reads a mesh of gmsh. Values keep the units of the file.
 ///

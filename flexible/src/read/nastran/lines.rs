@@ -1,5 +1,6 @@
 //! The lines of a deck, without comments and with the lines of included files in their place.
 
+use super::weight::WeightTable;
 use crate::error::FileProblem;
 use crate::read::Files;
 pub(super) use crate::read::source::{At, whole};
@@ -29,6 +30,8 @@ pub(super) struct Line {
 pub(super) struct Lines<'f> {
     source: Source<'f>,
     order: u64,
+    /// The weight check in the comments read so far.
+    pub weight: WeightTable,
 }
 
 impl<'f> Lines<'f> {
@@ -37,6 +40,7 @@ impl<'f> Lines<'f> {
         Ok(Lines {
             source: Source::open(files, name, &BULK)?,
             order: 0,
+            weight: WeightTable::default(),
         })
     }
 
@@ -50,6 +54,10 @@ impl<'f> Lines<'f> {
             if let Some(rest) = include_operand(&text) {
                 let name = self.include_name(rest, &at)?;
                 self.source.include(&name, &at)?;
+                continue;
+            }
+            if let Some(comment) = text.trim_start().strip_prefix('$') {
+                self.weight.comment(comment, &at);
                 continue;
             }
             let text = before_comment(&text);

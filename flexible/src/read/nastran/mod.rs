@@ -39,6 +39,7 @@ mod spline;
 mod supports;
 mod ties;
 mod unread;
+mod weight;
 
 use crate::error::{FileProblem, FlexibleError};
 use crate::fe::surface;
@@ -322,6 +323,7 @@ impl Deck {
         mesh.boundary = self
             .supports
             .boundary(&mesh.interface, &mesh.nodes, &lookup);
+        mesh.weight_check = case.weight.check(&mesh, self.mass_scale);
         mesh.unread = self.unread.into_list();
         mesh.doubts = self.doubts;
         mesh.doubts.extend(case.doubt.clone());

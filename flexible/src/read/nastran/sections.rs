@@ -5,6 +5,7 @@
 use super::card::{Card, cut};
 use super::continuation::Assembler;
 use super::lines::{At, Line, Lines, whole};
+use super::weight::WeightTable;
 use crate::error::FileProblem;
 use crate::read::Files;
 
@@ -35,6 +36,8 @@ pub(super) struct CaseControl {
     pub modes: bool,
     /// The note about subcases with different supports.
     pub doubt: Option<String>,
+    /// The weight check in the comments of the deck.
+    pub weight: WeightTable,
 }
 
 /// The sets that case control selects.
@@ -202,6 +205,7 @@ impl Cases {
             temperature: self.temperature,
             modes,
             doubt,
+            weight: WeightTable::default(),
         })
     }
 }
@@ -280,7 +284,10 @@ pub(super) fn read_cards(
     for card in cards.finish()? {
         give(card)?;
     }
-    cases.selection()
+    Ok(CaseControl {
+        weight: lines.weight,
+        ..cases.selection()?
+    })
 }
 
 /// Lines before it is known whether the deck begins with control sections.

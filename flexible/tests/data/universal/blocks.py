@@ -1,4 +1,4 @@
-"""Writes each mesh of a distorted block twice, as `.msh` and as `.unv`, both by gmsh 4.15."""
+"""Writes each mesh of a distorted block three times, as `.msh`, `.unv` and `.med`, by gmsh 4.15."""
 import gmsh
 
 
@@ -39,6 +39,7 @@ def block(name, kind, order):
     gmsh.option.setNumber("Mesh.SaveGroupsOfNodes", 1)
     gmsh.write(name + ".msh")
     gmsh.write(name + ".unv")
+    gmsh.write(name + ".med")
     gmsh.model.remove()
 
 
