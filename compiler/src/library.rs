@@ -41,17 +41,3 @@ pub(crate) const FILES: &[(&str, &str)] = &[
     ("reynolds.csv", include_str!("../../stdlib/reynolds.csv")),
     ("thrust.csv", include_str!("../../stdlib/thrust.csv")),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::LIBRARY;
-
-    #[test]
-    fn the_prelude_is_there_and_no_path_twice() {
-        assert!(LIBRARY.iter().any(|(path, _)| *path == "std.prelude"));
-        for (i, (path, text)) in LIBRARY.iter().enumerate() {
-            assert!(path.starts_with("std.") && !text.trim().is_empty());
-            assert!(LIBRARY[i + 1..].iter().all(|(other, _)| other != path));
-        }
-    }
-}

@@ -1,8 +1,9 @@
 //! Messages about wrong texts: a folder of small wrong models, their messages as snapshots, and
-//! every code at least once.
+//! every code at least once. Lists of names in messages.
 
 use crate::check_support::{Run, elaborated_in, render, run_in};
 use eng_compiler::codes;
+use eng_compiler::internals::listing;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -153,4 +154,12 @@ fn every_fix_mends_its_mistake() {
         }
     }
     assert!(tried > 40, "only {tried} fixes");
+}
+
+#[test]
+fn lists_read_like_sentences() {
+    assert_eq!(listing([], 3), "none");
+    assert_eq!(listing(["a"], 3), "`a`");
+    assert_eq!(listing(["a", "b", "c"], 3), "`a`, `b` and `c`");
+    assert_eq!(listing(["a", "b", "c"], 2), "`a`, `b`, …");
 }

@@ -49,6 +49,15 @@ fn elaborated(file: &str) -> Vec<Elaborated> {
 }
 
 #[test]
+fn the_prelude_is_there_and_no_path_twice() {
+    assert!(LIBRARY.iter().any(|(path, _)| *path == "std.prelude"));
+    for (i, (path, text)) in LIBRARY.iter().enumerate() {
+        assert!(path.starts_with("std.") && !text.trim().is_empty());
+        assert!(LIBRARY[i + 1..].iter().all(|(other, _)| other != path));
+    }
+}
+
+#[test]
 fn every_class_elaborates_with_its_number_of_equations() {
     let made = elaborated("every_class.eng");
     let system = &made[0].system;

@@ -23,18 +23,14 @@
 //! - A film keeps no state. A solution uses the memory in [`Work`] and allocates none.
 //! - The same input gives the same bits.
 #![forbid(unsafe_code)]
-// Tests may call the standard library's functions, to compare with them.
-#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+#![deny(clippy::disallowed_methods)]
 // no input may end the library in a panic
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::todo
-    )
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unreachable,
+    clippy::todo
 )]
 
 mod active;
@@ -69,3 +65,11 @@ pub use source::{
     Beside, Cavitation, EdgeSlope, Ends, Feed, FilmSource, Lines, Opening, Part, Profile,
 };
 pub use surfaces::{Roughness, Thinning};
+
+/// Parts that the tests of `tests/` check alone. No other crate may use them.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::ring::{EAST, HIGH, LOW, OWN, RingMatrix, WEST};
+    pub use crate::surfaces::{Contact, Surfaces, moment};
+    pub use crate::turning::factors_and_shares;
+}

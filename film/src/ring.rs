@@ -31,13 +31,18 @@ const LANES: usize = 4;
 
 /// Entries of a cell's row: its own, and those of its neighbours in the east, in the west, towards positive
 /// and negative z.
-pub(crate) type Row = [f64; 5];
+pub type Row = [f64; 5];
 
-pub(crate) const OWN: usize = 0;
-pub(crate) const EAST: usize = 1;
-pub(crate) const WEST: usize = 2;
-pub(crate) const HIGH: usize = 3;
-pub(crate) const LOW: usize = 4;
+/// Place of a cell's own entry in its row.
+pub const OWN: usize = 0;
+/// Place of the entry of the neighbour in the east, towards larger angles.
+pub const EAST: usize = 1;
+/// Place of the entry of the neighbour in the west.
+pub const WEST: usize = 2;
+/// Place of the entry of the neighbour towards positive z.
+pub const HIGH: usize = 3;
+/// Place of the entry of the neighbour towards negative z.
+pub const LOW: usize = 4;
 
 type Lanes = [f64; LANES];
 
@@ -77,7 +82,7 @@ impl Chain {
 
 /// Matrix of a ring and, after [`RingMatrix::factor`], the inverses of its blocks.
 #[derive(Clone, Debug)]
-pub(crate) struct RingMatrix {
+pub struct RingMatrix {
     /// Rows of the cells. The elimination does not read further rows.
     pub rows: Vec<Row>,
     chain: Chain,
@@ -86,7 +91,7 @@ pub(crate) struct RingMatrix {
     width: usize,
     symmetric: bool,
     /// Rows of the border that couple with their neighbours around.
-    coupled: Vec<usize>,
+    pub coupled: Vec<usize>,
     /// `S⁻ᵀ` of each column, `across × width`.
     inverses: Vec<f64>,
     /// `V` of each column: LANES cells of the border at a time, `across` rows each.
@@ -110,7 +115,7 @@ fn any(lanes: &[Lanes]) -> bool {
 impl RingMatrix {
     /// A matrix of zeros, with rows for `fixed` places after those of the cells. A ring has at least three
     /// columns: with two, both neighbours of a column would be the same one.
-    pub(crate) fn new(around: usize, across: usize, fixed: usize) -> Self {
+    pub fn new(around: usize, across: usize, fixed: usize) -> Self {
         let width = across.next_multiple_of(2);
         let chunks = across.div_ceil(LANES);
         let lanes = |count: usize| vec![[0.0; LANES]; count];
@@ -138,7 +143,7 @@ impl RingMatrix {
     /// Inverts the blocks. The border may be any column, and the chain may run in either direction. The
     /// fewest numbers fill if it runs with the flow, and if few cells of the border couple with the next
     /// columns.
-    pub(crate) fn factor(&mut self, border: usize, eastwards: bool, symmetric: bool) {
+    pub fn factor(&mut self, border: usize, eastwards: bool, symmetric: bool) {
         (self.chain.border, self.chain.eastwards) = (border, eastwards);
         self.symmetric = symmetric;
         let chain = self.chain;
@@ -322,7 +327,7 @@ impl RingMatrix {
     }
 
     /// Solves `A x = b`: `cells` holds b and then x.
-    pub(crate) fn solve(&mut self, cells: &mut [f64]) {
+    pub fn solve(&mut self, cells: &mut [f64]) {
         with_width!(self.width, |width| self.solve_one(width, cells));
     }
 
@@ -400,11 +405,7 @@ impl RingMatrix {
     }
 
     /// Solves `Aᵀ x = b` of several right-hand sides: `cells` holds b and then x; `lanes` is memory for two columns.
-    pub(crate) fn solve_transposed<const N: usize>(
-        &self,
-        cells: &mut [[f64; N]],
-        lanes: &mut [[f64; N]],
-    ) {
+    pub fn solve_transposed<const N: usize>(&self, cells: &mut [[f64; N]], lanes: &mut [[f64; N]]) {
         with_width!(self.width, |width| self.solve_lanes(width, cells, lanes));
     }
 
@@ -477,139 +478,5 @@ impl RingMatrix {
                 add_lanes(cell, 1.0, lanes);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{EAST, HIGH, LOW, OWN, RingMatrix, WEST};
-
-    const LANES: usize = 3;
-
-    /// A ring whose couplings are numbers without pattern.
-    struct Case {
-        around: usize,
-        across: usize,
-        border: usize,
-        eastwards: bool,
-        symmetric: bool,
-        /// Whether a cell is a row of the identity, and no other row holds it.
-        single: fn(usize, usize) -> bool,
-    }
-
-    impl Case {
-        /// Solves with A and its transposed, and multiplies the solutions with the dense matrix.
-        fn check(&self) {
-            let (around, across) = (self.around, self.across);
-            let count = around * across;
-            let mut seed = 1_u64;
-            let mut random = || {
-                seed = seed
-                    .wrapping_mul(6364136223846793005)
-                    .wrapping_add(1442695040888963407);
-                (seed >> 40) as f64 / (1_u64 << 24) as f64
-            };
-            let single = |cell: usize| (self.single)(cell / across, cell % across);
-            let mut matrix = RingMatrix::new(around, across, 1);
-            let mut dense = vec![0.0; count * count];
-            for cell in 0..count {
-                let (column, row) = (cell / across, cell % across);
-                matrix.rows[cell][OWN] = 1.0;
-                dense[cell * count + cell] = 1.0;
-                if single(cell) {
-                    continue;
-                }
-                matrix.rows[cell][OWN] = 5.0 + random();
-                dense[cell * count + cell] = matrix.rows[cell][OWN];
-                let east = (column + 1) % around * across + row;
-                let high = (row + 1 < across).then_some(cell + 1);
-                for (other, there, back) in [(Some(east), EAST, WEST), (high, HIGH, LOW)] {
-                    let Some(other) = other.filter(|other| !single(*other)) else {
-                        continue;
-                    };
-                    let number = -random();
-                    let mirrored = if self.symmetric { number } else { -random() };
-                    matrix.rows[cell][there] = number;
-                    matrix.rows[other][back] = mirrored;
-                    dense[cell * count + other] = number;
-                    dense[other * count + cell] = mirrored;
-                }
-            }
-            matrix.factor(self.border, self.eastwards, self.symmetric);
-            let given: Vec<[f64; LANES]> = (0..count)
-                .map(|_| [0; LANES].map(|_| random() - 0.5))
-                .collect();
-            let mut x: Vec<f64> = given.iter().map(|lanes| lanes[0]).collect();
-            let mut y = given.clone();
-            matrix.solve(&mut x);
-            matrix.solve_transposed(&mut y, &mut vec![[0.0; LANES]; 2 * across]);
-            for (cell, given) in given.iter().enumerate() {
-                let row: f64 = (0..count)
-                    .map(|other| dense[cell * count + other] * x[other])
-                    .sum();
-                assert!((row - given[0]).abs() < 1e-13, "{row} and {}", given[0]);
-                for (lane, given) in given.iter().enumerate() {
-                    let column: f64 = (0..count)
-                        .map(|other| dense[other * count + cell] * y[other][lane])
-                        .sum();
-                    assert!((column - given).abs() < 1e-13, "{column} and {given}");
-                }
-            }
-        }
-    }
-
-    /// A ring without single cells; with a column of them; with one cell left in each column; with patches.
-    const SINGLE: [fn(usize, usize) -> bool; 4] = [
-        |_, _| false,
-        |column, _| column == 2,
-        |column, row| (column == 1 || column == 2) && row != 0,
-        |column, row| (column + 2 * row) % 5 < 2,
-    ];
-
-    #[test]
-    fn inverses_solve_the_ring_and_its_transposed() {
-        for (around, across) in [(4, 1), (4, 4), (7, 1), (9, 3), (12, 5), (8, 13), (6, 33)] {
-            for border in [0, 1, 2, around - 1] {
-                for single in SINGLE {
-                    for (eastwards, symmetric) in
-                        [(true, false), (false, false), (true, true), (false, true)]
-                    {
-                        Case {
-                            around,
-                            across,
-                            border,
-                            eastwards,
-                            symmetric,
-                            single,
-                        }
-                        .check();
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_column_of_single_cells_cuts_the_ring() {
-        let case = |border| {
-            let mut matrix = RingMatrix::new(6, 3, 0);
-            for (cell, row) in matrix.rows.iter_mut().enumerate() {
-                let column = cell / 3;
-                *row = [4.0, -1.0, -1.0, 0.0, 0.0];
-                for (place, other) in [(WEST, 5), (EAST, 1)] {
-                    if column == 0 || column == other {
-                        row[if column == 0 {
-                            place
-                        } else {
-                            WEST + EAST - place
-                        }] = 0.0;
-                    }
-                }
-            }
-            matrix.factor(border, true, true);
-            matrix.coupled.len()
-        };
-        assert_eq!(case(0), 0);
-        assert_eq!(case(3), 3);
     }
 }

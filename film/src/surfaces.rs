@@ -119,7 +119,7 @@ impl Thinning {
 
 /// A function of the gap h and of ω at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct OfGap {
+pub struct OfGap {
     pub value: f64,
     pub by_gap: f64,
     pub by_spin: f64,
@@ -127,7 +127,7 @@ pub(crate) struct OfGap {
 
 /// The surfaces and the oil, as functions of the gap.
 #[derive(Clone, Debug)]
-pub(crate) struct Surfaces {
+pub struct Surfaces {
     rough: Option<Rough>,
     thinning: Option<Thinning>,
     floor: f64,
@@ -147,7 +147,9 @@ struct Rough {
 }
 
 impl Surfaces {
-    pub(crate) fn new(
+    /// The surfaces and the oil of a bearing of a radius (m). Without `rough` the surfaces are smooth, and without `thinning`
+    /// the viscosity is constant. Below `floor` (m, 0 for none) the equations have a continued gap.
+    pub fn new(
         rough: Option<&Roughness>,
         thinning: Option<Thinning>,
         floor: f64,
@@ -164,7 +166,7 @@ impl Surfaces {
                 }
             }),
             hardness: rough.asperity * rough.modulus,
-            contact: Contact::new(),
+            contact: Contact::tabulated(),
         });
         Surfaces {
             rough,
@@ -185,7 +187,7 @@ impl Surfaces {
     /// distribution Φ and its density φ (Patir & Cheng 1978), positive for every h. Smooth ones: h, continued below
     /// the floor. Only iterates are below the floor. There the second slope is left out, and the squeeze has the
     /// slope 1.
-    pub(crate) fn carried(&self, gap: f64) -> [f64; 3] {
+    pub fn carried(&self, gap: f64) -> [f64; 3] {
         let Some(rough) = &self.rough else {
             let (gap, slope) = continued(gap, self.floor);
             return [gap, slope, 0.0];
@@ -206,7 +208,7 @@ impl Surfaces {
 
     /// Slope of the rate of the carried gap by that of h, and by h itself at the rate 1. The first is
     /// dimensionless, the second in 1/m.
-    pub(crate) fn squeezed(&self, carried: [f64; 3]) -> [f64; 2] {
+    pub fn squeezed(&self, carried: [f64; 3]) -> [f64; 2] {
         match self.rough {
             Some(_) => [carried[1], carried[2]],
             None => [1.0, 0.0],
@@ -215,7 +217,7 @@ impl Surfaces {
 
     /// `φ h³` over the share of viscosity that shear leaves, along or across the motion, as its value and the slopes of
     /// its logarithm. Below the least h/σ of the flow factor the factor is constant, and h continues as `f²/(2f − h)`.
-    pub(crate) fn conducted(&self, gap: f64, carried: [f64; 3], spin: f64, across: bool) -> OfGap {
+    pub fn conducted(&self, gap: f64, carried: [f64; 3], spin: f64, across: bool) -> OfGap {
         let (value, by_gap) = match &self.rough {
             None => {
                 let h = carried[0];
@@ -251,7 +253,7 @@ impl Surfaces {
     }
 
     /// The share of viscosity over the carried gap, 1/m, with its slopes.
-    pub(crate) fn sheared(&self, carried: [f64; 3], spin: f64) -> OfGap {
+    pub fn sheared(&self, carried: [f64; 3], spin: f64) -> OfGap {
         let thin = self.thinned(carried, spin);
         let over = 1.0 / carried[0];
         OfGap {
@@ -278,7 +280,7 @@ impl Surfaces {
     }
 
     /// Pressure of the asperities, `K E′ F_{5/2}(h/σ)`, Pa, and its slope by h.
-    pub(crate) fn touching(&self, gap: f64) -> [f64; 2] {
+    pub fn touching(&self, gap: f64) -> [f64; 2] {
         let Some(rough) = &self.rough else {
             return [0.0; 2];
         };
@@ -305,7 +307,7 @@ fn continued(gap: f64, floor: f64) -> (f64, f64) {
 /// exact values, slopes and second slopes of its logarithm. The popular fit `4.4086e-5 (4 − u)^6.804` is 9 to
 /// 11 % too low at u = 0 and 2, and zero above 4.
 #[derive(Clone, Debug)]
-struct Contact {
+pub struct Contact {
     nodes: Vec<[f64; 3]>,
 }
 
@@ -317,7 +319,8 @@ const LAST: f64 = 8.0;
 const DISTANCE: f64 = 0.125;
 
 impl Contact {
-    fn new() -> Contact {
+    /// The nodes at equal distances.
+    pub fn tabulated() -> Contact {
         let count = ((LAST - FIRST) / DISTANCE) as usize;
         let node = |at: usize| {
             let u = FIRST + DISTANCE * at as f64;
@@ -331,7 +334,7 @@ impl Contact {
     }
 
     /// Value and slope.
-    fn at(&self, u: f64) -> [f64; 2] {
+    pub fn at(&self, u: f64) -> [f64; 2] {
         if u >= LAST {
             return [0.0; 2];
         }
@@ -365,7 +368,7 @@ impl Contact {
 
 /// `F_{n/2}(u)` for odd n. With `s = u + t²` the integrand `2 t^(n+1) e^{−(u + t²)²/2}` is even and smooth, so the
 /// trapezoidal rule converges faster than any power of its step.
-fn moment(n: i32, u: f64) -> f64 {
+pub fn moment(n: i32, u: f64) -> f64 {
     // a choice: the error of the rule is an exponential of minus one over the step, far below rounding. The
     // loop ends at t = 10, beyond the break for every u of a node
     const STEP: f64 = 0.01;
@@ -380,97 +383,4 @@ fn moment(n: i32, u: f64) -> f64 {
         sum += libm::pow(t, f64::from(n + 1)) * libm::exp(-0.5 * s * s);
     }
     2.0 * STEP * sum / libm::sqrt(std::f64::consts::TAU)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// F_{5/2} and F_{3/2}, its slope, at the eleven places of the reference, known to fifteen digits, and between the
-    /// nodes against the integral.
-    #[test]
-    fn asperities_by_the_exact_integral() {
-        let contact = Contact::new();
-        let text = include_str!("../tests/reference/film_reference.json");
-        let reference: serde_json::Value = serde_json::from_str(text).unwrap();
-        let rows = reference["greenwood_tripp"]["rows"].as_array().unwrap();
-        assert_eq!(rows.len(), 11);
-        for row in rows {
-            let [u, exact, _, slope] = [0, 1, 2, 3].map(|at| {
-                let text = row[at].as_str().unwrap();
-                text.parse::<f64>().unwrap()
-            });
-            let [value, found] = contact.at(u);
-            assert!((value / exact - 1.0).abs() < 1e-10, "{value} at {u}");
-            assert!((-found / 2.5 / slope - 1.0).abs() < 1e-8, "{found} at {u}");
-        }
-        for k in 0..197 {
-            let u = -11.9 + 0.1003 * f64::from(k);
-            let ([value, slope], exact) = (contact.at(u), moment(5, u));
-            assert!(
-                (value / exact - 1.0).abs() < 1e-10,
-                "{value} {exact} at {u}"
-            );
-            let exact = -2.5 * moment(3, u);
-            assert!((slope / exact - 1.0).abs() < 1e-8, "{slope} {exact} at {u}");
-        }
-    }
-
-    /// All slopes are those of differences, on both sides of every limit.
-    #[test]
-    fn slopes_are_those_of_differences() {
-        let rough = Roughness {
-            deviation: 0.4e-6,
-            direction: 3.0,
-            asperity: 1e-3,
-            modulus: 5e10,
-            friction: 0.1,
-        };
-        let thinning = Thinning {
-            second: 0.5,
-            rate: 3e5,
-            exponent: 0.8,
-        };
-        for rough in [Some(&rough), None] {
-            let all = Surfaces::new(rough, Some(thinning), 0.1e-6, 27e-3);
-            for gap in [-0.3e-6, 0.05e-6, 0.15e-6, 0.29e-6, 1e-6, 5e-6] {
-                let d = 1e-12;
-                let close = |found: f64, up: f64, down: f64, by: f64| {
-                    let slope = (up - down) / (2.0 * by);
-                    let size = slope.abs().max(1e-9 * up.abs() / by);
-                    assert!(
-                        (found - slope).abs() <= 1e-5 * size,
-                        "{found} {slope} at {gap}"
-                    );
-                };
-                let at = |gap: f64| all.carried(gap);
-                let [value, slope, _] = at(gap);
-                close(slope, at(gap + d)[0], at(gap - d)[0], d);
-                assert!(value > 0.0);
-                let [_, second] = all.squeezed(at(gap));
-                if rough.is_some() {
-                    close(second, at(gap + d)[1], at(gap - d)[1], d);
-                }
-                let [_, touch] = all.touching(gap);
-                close(touch, all.touching(gap + d)[0], all.touching(gap - d)[0], d);
-                for across in [false, true] {
-                    let log = |gap: f64, spin: f64| {
-                        libm::log(all.conducted(gap, at(gap), spin, across).value)
-                    };
-                    let found = all.conducted(gap, at(gap), 400.0, across);
-                    close(found.by_gap, log(gap + d, 400.0), log(gap - d, 400.0), d);
-                    close(found.by_spin, log(gap, 400.01), log(gap, 399.99), 0.01);
-                }
-                let shear = |gap: f64, spin: f64| all.sheared(at(gap), spin).value;
-                let found = all.sheared(at(gap), 400.0);
-                close(
-                    found.by_gap,
-                    shear(gap + d, 400.0),
-                    shear(gap - d, 400.0),
-                    d,
-                );
-                close(found.by_spin, shear(gap, 400.01), shear(gap, 399.99), 0.01);
-            }
-        }
-    }
 }

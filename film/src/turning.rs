@@ -19,7 +19,7 @@
 //!
 //! An opening of the shell takes precedence over one of the pin: its cells have no such link.
 
-use crate::film::{Film, Level, LevelWork};
+use crate::film::{Film, Level, LevelWork, Work};
 use crate::inputs::TURN;
 use std::f64::consts::TAU;
 
@@ -94,62 +94,9 @@ impl Film {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::inputs::Inputs;
-    use crate::source::{Cavitation, Feed, FilmSource, Opening, Part};
-
-    /// The factors of all links, and the shares of all cells, over a turn.
-    #[test]
-    fn slopes_are_those_of_factors_and_shares() {
-        let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [24, 5]);
-        source.openings = [[0.31, 0.83], [1.6, 1.7]]
-            .map(|around| Opening {
-                on: Part::Pin,
-                around,
-                across: [-0.3, 0.3],
-                feed: Feed::Pressure,
-            })
-            .to_vec();
-        let film = Film::new(source).unwrap();
-        let level = &film.levels[0];
-        let mut work = film.work();
-        let mut at = |turn: f64| {
-            let x = Inputs {
-                turn,
-                supply: &[1.0, 1.0],
-                ..Inputs::still(1.0)
-            };
-            let state = &mut work.levels[0];
-            film.set_gap(level, state, &x.write());
-            (state.turning.clone(), state.covered.clone())
-        };
-        let step = 1e-6;
-        let mut moving = 0;
-        // the second opening is narrower than a cell, and ends on a line of the grid after the first turn
-        for turn in [TAU / 24.0 * 8.0 - 1.7, 1.03, 4.2, -2.0] {
-            let [down, middle, up] = [-step, 0.0, step].map(|shift| at(turn + shift));
-            let numbers = |state: &(Vec<[f64; 2]>, Vec<[f64; 2]>)| {
-                [state.0.as_slice(), state.1.as_slice()].concat()
-            };
-            let [down, middle, up] = [down, middle, up].map(|state| numbers(&state));
-            for ((down, middle), up) in down.iter().zip(&middle).zip(&up) {
-                let slope = (up[0] - down[0]) / (2.0 * step);
-                // where an edge lies on a line, the slope has a bend, which the differences see
-                let error = (slope - middle[1]).abs();
-                assert!(error < 1e-3 * slope.abs().max(1.0), "{slope} {}", middle[1]);
-                moving += usize::from(slope != 0.0);
-            }
-            let covered: f64 = middle[middle.len() - level.grid.cells.len()..]
-                .iter()
-                .map(|covered| covered[0])
-                .sum();
-            assert!(
-                (covered * TAU / 24.0 / 3.0 - 0.62).abs() < 0.05,
-                "{covered}"
-            );
-        }
-        assert!(moving > 20, "{moving}");
-    }
+/// The factors of all links and the shares of all cells at inputs of a film, each with its slope by the turn.
+pub fn factors_and_shares(film: &Film, work: &mut Work, x: &[f64]) -> [Vec<[f64; 2]>; 2] {
+    let (level, state) = (&film.levels[0], &mut work.levels[0]);
+    film.set_gap(level, state, x);
+    [state.turning.clone(), state.covered.clone()]
 }

@@ -1,6 +1,7 @@
 //! Openings of the pin, which turn over the cells: against openings of the shell, seen from the pin, and by
-//! the balance of oil.
+//! the balance of oil. The slopes of the factors and shares that they make.
 
+use eng_film::internals::factors_and_shares;
 use eng_film::{
     Cavitation, EdgeSlope, Feed, Film, FilmSource, Inputs, Opening, Part, Summary, inputs,
 };
@@ -298,4 +299,48 @@ fn ring_grooves_and_refusals() {
     let (mut work, mut y) = (film.work(), vec![0.0; film.outputs()]);
     let dry = film.solve(&x.write(), None, &[], &mut work, &mut y);
     assert!(dry.is_err_and(|error| error.to_string().contains("needs oil")));
+}
+
+/// The factors of all links, and the shares of all cells, over a turn.
+#[test]
+fn slopes_are_those_of_factors_and_shares() {
+    let mut source = FilmSource::plain(1.0, 1.0, 1.0, Cavitation::Reynolds, [24, 5]);
+    source.openings = [[0.31, 0.83], [1.6, 1.7]]
+        .map(|around| Opening {
+            on: Part::Pin,
+            around,
+            across: [-0.3, 0.3],
+            feed: Feed::Pressure,
+        })
+        .to_vec();
+    let film = Film::new(source).unwrap();
+    let mut work = film.work();
+    let mut at = |turn: f64| {
+        let x = Inputs {
+            turn,
+            supply: &[1.0, 1.0],
+            ..Inputs::still(1.0)
+        };
+        factors_and_shares(&film, &mut work, &x.write())
+    };
+    let step = 1e-6;
+    let mut moving = 0;
+    // the second opening is narrower than a cell, and ends on a line of the grid after the first turn
+    for turn in [TAU / 24.0 * 8.0 - 1.7, 1.03, 4.2, -2.0] {
+        let [down, middle, up] = [-step, 0.0, step].map(|shift| at(turn + shift));
+        let covered: f64 = middle[1].iter().map(|covered| covered[0]).sum();
+        let [down, middle, up] = [down, middle, up].map(|state| state.concat());
+        for ((down, middle), up) in down.iter().zip(&middle).zip(&up) {
+            let slope = (up[0] - down[0]) / (2.0 * step);
+            // where an edge lies on a line, the slope has a bend, which the differences see
+            let error = (slope - middle[1]).abs();
+            assert!(error < 1e-3 * slope.abs().max(1.0), "{slope} {}", middle[1]);
+            moving += usize::from(slope != 0.0);
+        }
+        assert!(
+            (covered * TAU / 24.0 / 3.0 - 0.62).abs() < 0.05,
+            "{covered}"
+        );
+    }
+    assert!(moving > 20, "{moving}");
 }

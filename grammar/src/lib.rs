@@ -3,18 +3,14 @@
 //! The crate handles texts, places and messages. It looks up no names, contains no units and reads no files.
 
 #![forbid(unsafe_code)]
-// Tests may call the standard library's functions, to compare with them.
-#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+#![deny(clippy::disallowed_methods)]
 // no input may end the library in a panic
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::todo
-    )
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unreachable,
+    clippy::todo
 )]
 
 pub mod ast;
@@ -40,3 +36,10 @@ pub use nearest::{LONGEST_COMPARED, nearest};
 pub use parse::{UnitWords, parse, parse_expression, parse_placeholder, parse_with_units};
 pub use span::{Source, SourceId, SourceMap, Span};
 pub use words::WORDS;
+
+/// Parts that the tests of `tests/` check alone. No other crate may use them.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::build::diagnose::ITEM_WORDS;
+    pub use crate::build::items::KINDS;
+}

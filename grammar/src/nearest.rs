@@ -48,21 +48,3 @@ pub(crate) fn nearest_within<'a>(
     });
     near.min().map(|(.., candidate)| candidate)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_nearest_name_is_found() {
-        let known = ["Revolute", "Spherical", "Fixed"];
-        assert_eq!(nearest("Revolut", known), Some("Revolute"));
-        assert_eq!(nearest("fixed", known), Some("Fixed"));
-        assert_eq!(nearest("Gear", known), None);
-        assert_eq!(nearest("mn", ["mm", "N", "kg"]), Some("mm"));
-        assert_eq!(nearest("stat", ["start", "state"]), Some("state"));
-        assert_eq!(nearest("start", ["start"]), None);
-        assert_eq!(nearest("nope", ["bore"]), None);
-        assert_eq!(nearest("bola", ["bore"]), Some("bore"));
-    }
-}

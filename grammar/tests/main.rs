@@ -8,3 +8,4 @@ mod good_files;
 mod mistakes;
 mod robustness;
 mod trees;
+mod words;

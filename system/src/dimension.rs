@@ -230,28 +230,3 @@ impl DisplayUnit {
         text
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_of_messages_have_four_digits_and_a_unit() {
-        let millimetre = DisplayUnit {
-            symbol: "mm".into(),
-            scale: 1e-3,
-            offset: 0.0,
-        };
-        for (si, text) in [
-            (0.0123456, "12.35 mm"),
-            (-0.02, "-20 mm"),
-            (12.3456789, "12346 mm"),
-            (0.0, "0 mm"),
-            (1.23456e-9, "1.235e-6 mm"),
-            (f64::NAN, "NaN mm"),
-        ] {
-            assert_eq!(millimetre.text(si), text);
-        }
-        assert_eq!(DisplayUnit::si(Dimension::ONE).text(0.99912), "0.9991");
-    }
-}

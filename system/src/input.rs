@@ -51,17 +51,3 @@ pub struct Input {
     /// the function.
     pub signal: Option<String>,
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Interpolation;
-
-    #[test]
-    fn words() {
-        for (word, interpolation) in Interpolation::NAMED {
-            assert_eq!(Interpolation::named(word), Some(interpolation));
-            assert_eq!(interpolation.word(), word);
-        }
-        assert_eq!(Interpolation::named("spline"), None);
-    }
-}

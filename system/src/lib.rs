@@ -4,18 +4,14 @@
 //! solvers of motions and of films share. It has no syntax, no files and no solver.
 
 #![forbid(unsafe_code)]
-// Tests may call the standard library's functions, to compare with them.
-#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+#![deny(clippy::disallowed_methods)]
 // no input may end the library in a panic
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::todo
-    )
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unreachable,
+    clippy::todo
 )]
 
 pub mod analysis;
@@ -47,3 +43,9 @@ pub mod system;
 pub mod table;
 
 pub use dimension::{Dimension, DisplayUnit};
+
+/// Parts that the tests of `tests/` check alone. No other crate may use them.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::analysis::named::fits;
+}

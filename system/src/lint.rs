@@ -109,28 +109,3 @@ pub struct Followed {
     /// The number that is taken.
     pub extreme: Extreme,
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_acceptance_holds_for_its_item_and_what_is_in_it() {
-        let of = |path: &str| Accepted {
-            name: "usual".into(),
-            path: path.into(),
-            at: Location {
-                source: 0,
-                start: 0,
-                end: 0,
-            },
-            used: false,
-        };
-        assert!(of("").covers("usual", "main[1]"));
-        assert!(of("main[1]").covers("usual", "main[1]"));
-        assert!(of("cylinder[2]").covers("usual", "cylinder[2].big_end"));
-        assert!(!of("main[1]").covers("usual", "main[10]"));
-        assert!(!of("main[1]").covers("short", "main[1]"));
-        assert!(!of("").covers("", "main[1]"));
-    }
-}

@@ -22,20 +22,3 @@ pub fn joined(names: &[&str], most: usize) -> String {
         _ => names.concat(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{joined, listed};
-
-    #[test]
-    fn lists_are_parts_of_sentences() {
-        assert_eq!(listed(&["a", "b", "c"], 3), "a, b, c");
-        assert_eq!(listed(&["a", "b", "c", "d"], 3), "a, b to d (4 in all)");
-        assert_eq!(listed(&[], 3), "");
-        assert_eq!(joined(&[], 3), "");
-        assert_eq!(joined(&["a"], 3), "a");
-        assert_eq!(joined(&["a", "b"], 3), "a and b");
-        assert_eq!(joined(&["a", "b", "c"], 3), "a, b and c");
-        assert_eq!(joined(&["a", "b", "c", "d", "e"], 3), "a, b, c and 2 more");
-    }
-}

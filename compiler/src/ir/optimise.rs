@@ -118,37 +118,3 @@ fn order(graph: &Graph, outputs: &[Node]) -> (Graph, Vec<Node>) {
         .collect();
     (ordered, outputs)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use eng_system::elementary::Elementary;
-
-    #[test]
-    fn sharing_folding_and_dead_code() {
-        let mut graph = Graph::plain();
-        let (x, y) = (graph.input(0), graph.input(1));
-        let zero = graph.constant(0.0);
-        let one = graph.constant(1.0);
-        let dead = graph.unary(Elementary::Sin, y);
-        let _ = graph.add(dead, x);
-        let a = graph.multiply(x, y);
-        let b = graph.multiply(y, x);
-        let a = graph.add(a, zero);
-        let b = graph.multiply(b, one);
-        let sum = graph.subtract(a, b);
-        let sum = graph.add(sum, a);
-        let function = Function {
-            name: "f".into(),
-            inputs: 2,
-            graph,
-            outputs: vec![sum],
-        };
-        let small = optimise(&function);
-        assert_eq!(small.graph.nodes().len(), 3);
-        assert_eq!(
-            small.graph.op(small.outputs[0]),
-            Op::Multiply(Node(0), Node(1))
-        );
-    }
-}

@@ -23,16 +23,3 @@ pub fn listing<'a>(names: impl IntoIterator<Item = &'a str>, limit: usize) -> St
         None => "none".to_owned(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lists_read_like_sentences() {
-        assert_eq!(listing([], 3), "none");
-        assert_eq!(listing(["a"], 3), "`a`");
-        assert_eq!(listing(["a", "b", "c"], 3), "`a`, `b` and `c`");
-        assert_eq!(listing(["a", "b", "c"], 2), "`a`, `b`, …");
-    }
-}

@@ -57,37 +57,3 @@ impl Trees {
         tree
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_kept_tree_is_that_of_the_text() {
-        let mut trees = Trees::default();
-        let mut read = |text: &str, source: u32| {
-            let mut units = UnitWords::default();
-            let mut messages = Diagnostics::new();
-            let tree = trees.read("std.a", text, SourceId(source), &mut units, &mut messages);
-            (tree, units, messages.len())
-        };
-        let direct = |text: &str, source: u32| {
-            let mut units = UnitWords::default();
-            let mut messages = Diagnostics::new();
-            let tree = parse_with_units(text, SourceId(source), &mut units, &mut messages);
-            (tree, units, messages.len())
-        };
-        let text = "unit kN = 1e3 N\nconst a = 3 kN*depth\n";
-        let wrong = "const a = = 3\n";
-        for (text, source) in [
-            (text, 1),
-            (text, 1),
-            (text, 2),
-            (wrong, 2),
-            (wrong, 2),
-            (text, 1),
-        ] {
-            assert_eq!(read(text, source), direct(text, source));
-        }
-    }
-}

@@ -19,6 +19,7 @@ pub struct Dim {
 }
 
 impl Dim {
+    /// A dimension without variables.
     pub fn known(base: Dimension) -> Dim {
         Dim {
             base,
@@ -26,6 +27,7 @@ impl Dim {
         }
     }
 
+    /// The variable of a number, with the exponent 1.
     pub fn variable(number: u32) -> Dim {
         Dim {
             base: Dimension::ONE,
@@ -43,10 +45,12 @@ impl Dim {
         self.variables.is_empty()
     }
 
+    /// Whether it is the dimension of a plain number, without variables.
     pub fn is_one(&self) -> bool {
         self.base.is_one() && self.variables.is_empty()
     }
 
+    /// The dimension of a product.
     pub fn times(&self, other: &Dim) -> Dim {
         let mut variables = self.variables.clone();
         for (number, exponent) in &other.variables {
@@ -63,6 +67,7 @@ impl Dim {
         }
     }
 
+    /// The dimension of a quotient.
     pub fn over(&self, other: &Dim) -> Dim {
         match other.power(-1, 1) {
             Some(inverse) => self.times(&inverse),
@@ -70,6 +75,7 @@ impl Dim {
         }
     }
 
+    /// The dimension of a power with a rational exponent, or none if an exponent cannot be stored.
     pub fn power(&self, numerator: i32, denominator: i32) -> Option<Dim> {
         let base = self.base.power(numerator, denominator)?;
         let mut variables = Vec::new();
@@ -85,6 +91,7 @@ impl Dim {
         Some(Dim { base, variables })
     }
 
+    /// The same without the exponent of the angle.
     pub fn without_angle(&self) -> Dim {
         Dim {
             base: self.base.without_angle(),
@@ -182,9 +189,11 @@ impl Kind {
 /// A dimension with the kind of its angle and of its zero.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Quantity {
+    /// Its dimension.
     pub dim: Dim,
     /// Whether it is computed from other quantities. Then its angle may be dropped.
     pub soft: bool,
+    /// Whether it is a point or a difference.
     pub kind: Kind,
 }
 
@@ -200,6 +209,7 @@ pub enum Misfit {
 }
 
 impl Quantity {
+    /// A declared plain number.
     pub const fn one() -> Quantity {
         Quantity {
             dim: Dim {
@@ -321,6 +331,7 @@ impl Quantity {
         !numbers || self.soft || other.soft
     }
 
+    /// A product.
     pub fn times(&self, other: &Quantity) -> Quantity {
         // a multiple of a difference is a difference
         let kind = match (&self.kind, &other.kind) {
@@ -335,6 +346,7 @@ impl Quantity {
         }
     }
 
+    /// A quotient.
     pub fn over(&self, other: &Quantity) -> Quantity {
         let kind = match &self.kind {
             Kind::Difference if other.dim.is_one() => Kind::Difference,
@@ -608,52 +620,5 @@ impl Type {
             },
             _ => ValueType::Other,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn point(name: &str) -> Quantity {
-        Quantity {
-            kind: Kind::Point(name.into()),
-            ..Quantity::hard(Dimension::base(4))
-        }
-    }
-
-    #[test]
-    fn points_differ_and_differences_move_them() {
-        let t = point("Temperature");
-        let difference = t.plus(&t, true).expect("a difference");
-        assert_eq!(difference.kind, Kind::Difference);
-        assert_eq!(
-            t.plus(&difference, false).map(|q| q.kind),
-            Ok(t.kind.clone())
-        );
-        assert_eq!(t.plus(&t, false), Err(Misfit::Point));
-        assert_eq!(difference.plus(&t, true), Err(Misfit::Point));
-        assert_eq!(difference.fits(&t), Err(Misfit::Point));
-    }
-
-    #[test]
-    fn declared_angles_stay_and_computed_ones_go() {
-        let per_second = Quantity::hard(Dimension::TIME.power(-1, 1).expect("1/s"));
-        let speed = Quantity::hard(Dimension::ANGLE.over(Dimension::TIME));
-        assert_eq!(per_second.fits(&speed), Err(Misfit::Angle));
-        let computed = Quantity::hard(Dimension::LENGTH)
-            .over(&Quantity::hard(Dimension::TIME))
-            .over(&Quantity::hard(Dimension::LENGTH));
-        assert_eq!(computed.fits(&speed), Ok(()));
-        let doubled = Quantity::one().times(&per_second);
-        assert_eq!(doubled.fits(&speed), Err(Misfit::Angle));
-    }
-
-    #[test]
-    fn variables_have_powers() {
-        let d = Dim::variable(3);
-        let square = d.times(&d);
-        assert_eq!(square.power(1, 2), Some(d.clone()));
-        assert!(square.over(&d).over(&d).is_one());
     }
 }

@@ -47,7 +47,7 @@ fn binding_kind(word: &str) -> BindingKind {
 }
 
 /// Every kind of declaration with its word.
-pub(crate) const KINDS: [(&str, Kind); 15] = [
+pub const KINDS: [(&str, Kind); 15] = [
     ("model", Kind::Model),
     ("component", Kind::Component),
     ("interface", Kind::Interface),

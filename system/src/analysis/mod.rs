@@ -10,7 +10,7 @@ mod assemble;
 mod equilibrium;
 mod kinematic;
 mod linear;
-mod named;
+pub(crate) mod named;
 mod periodic;
 mod response;
 mod transient;

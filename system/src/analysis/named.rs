@@ -60,7 +60,7 @@ impl Names {
     }
 
     /// Whether a path belongs to a name.
-    fn means(self, name: &str, path: &str) -> bool {
+    pub fn means(self, name: &str, path: &str) -> bool {
         let component = |axis: &str| {
             let vector = path.strip_suffix(axis);
             self == Names::Channels && vector.is_some_and(|vector| fits(name, vector))
@@ -70,7 +70,7 @@ impl Names {
 }
 
 /// Whether a path has the form of a name: `[*]` fits every index.
-fn fits(name: &str, path: &str) -> bool {
+pub fn fits(name: &str, path: &str) -> bool {
     let mut pieces = name.split("[*]");
     let Some(mut rest) = pieces.next().and_then(|first| path.strip_prefix(first)) else {
         return false;
@@ -85,21 +85,4 @@ fn fits(name: &str, path: &str) -> bool {
         rest = after;
     }
     rest.is_empty()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stars_fit_indices_and_vectors_their_components() {
-        assert!(fits("gas[*]", "gas[12]") && fits("gas[*].top", "gas[1, 2].top"));
-        assert!(!fits("gas[*]", "gas[1].top") && !fits("gas[*]", "gas") && !fits("gas", "gas[1]"));
-        let channels = Names::Channels;
-        assert!(channels.means("main[*].force", "main[2].force.y"));
-        assert!(channels.means("main[2].force.y", "main[2].force.y"));
-        assert!(!channels.means("main[2]", "main[2].force.y"));
-        assert!(!Names::Inputs.means("push", "push.x"));
-        assert!(Names::Parameters.means("rod[*].length", "rod[2].length"));
-    }
 }

@@ -84,19 +84,3 @@ pub struct SummaryRow {
     /// Indices into [`crate::system::System::channels`]; `None` for a column that the element's class lacks.
     pub channels: Vec<Option<u32>>,
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_and_numbers_correspond() {
-        for (word, statistic) in Statistic::ALL {
-            assert_eq!(
-                (Statistic::of(word), statistic.word()),
-                (Some(statistic), word)
-            );
-        }
-        assert_eq!(Statistic::of("smallest"), None);
-    }
-}
