@@ -360,6 +360,36 @@ fn functions_are_short() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
+/// A crate whose library is not compiled as tests has none in its sources: they would never run.
+#[test]
+fn libraries_without_tests_contain_none() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut without = Vec::new();
+    for (name, folder) in CRATES {
+        let manifest = root.join(folder).join("../Cargo.toml");
+        let manifest = std::fs::read_to_string(manifest).expect("a manifest");
+        let (_, library) = manifest.split_once("[lib]\n").unwrap_or_default();
+        let library = library.split("\n[").next().unwrap_or_default();
+        if !library.lines().any(|line| line == "test = false") {
+            continue;
+        }
+        without.push(name);
+        let mut folders = vec![root.join(folder)];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(&folder).expect("a folder") {
+                let path = entry.expect("an entry").path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if path.extension().is_some_and(|e| e == "rs") {
+                    let text = bare(&std::fs::read_to_string(&path).expect("a source"));
+                    assert!(!text.contains("cfg(test)"), "{}", path.display());
+                }
+            }
+        }
+    }
+    assert!(without.contains(&"eng-compiler"), "{without:?}");
+}
+
 /// The files of these crates that print or open files, with the reason.
 const MAY_PRINT: [(&str, &str); 1] = [(
     "flexible/src/stack/tests.rs",
