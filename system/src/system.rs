@@ -371,7 +371,7 @@ pub struct Placing {
     pub target: Target<Slot>,
 }
 
-/// What a `place` states. `T` is a number (m): a slot here, a node in the compiler.
+/// The relation that a `place` states. `T` is a number (m): a slot here, a node in the compiler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target<T> {
     /// The first origin is on the z axis of the second, and both z axes are parallel, as those of a pin in its shell.
