@@ -21,6 +21,8 @@ pub(in crate::read) struct Hdf5<'f> {
     root: u64,
     /// Blocks and messages that may still be read. A damaged file may lead in a circle.
     left: Cell<usize>,
+    /// Bytes of values that may still be read. The datasets of a sound file share none.
+    unread: Cell<usize>,
 }
 
 impl<'f> Hdf5<'f> {
@@ -72,12 +74,25 @@ impl<'f> Hdf5<'f> {
             base,
             root,
             left: Cell::new(bytes.len() / 2 + 1000),
+            // a dataset may be read a few times
+            unread: Cell::new(bytes.len().saturating_mul(4)),
         })
     }
 
     /// The address of the root group.
     pub(super) fn root_address(&self) -> u64 {
         self.root
+    }
+
+    /// Counts bytes of values.
+    ///
+    /// # Errors
+    /// More bytes than datasets without shared values have. Their numbers would take more memory than a multiple of the file.
+    pub(super) fn count_values(&self, bytes: usize) -> Result<(), Trouble> {
+        let left = self.unread.get().checked_sub(bytes);
+        self.unread
+            .set(left.ok_or(Trouble::Damaged("its datasets share their values"))?);
+        Ok(())
     }
 
     /// The bytes of the file from an address on.

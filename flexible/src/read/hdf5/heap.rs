@@ -68,7 +68,9 @@ impl<'f> Hdf5<'f> {
     pub(super) fn in_heap(&self, heap: &Heap, mut record: Bytes<'f>) -> Result<Bytes<'f>, Trouble> {
         let kind = record.byte()?;
         if kind >> 4 != 0 {
-            return Err(Trouble::NotRead("it has names of more than 4,000 bytes"));
+            return Err(Trouble::NotRead(
+                "it has names in a form other than that of MED",
+            ));
         }
         let place = record.number(heap.place)?;
         let size = record.count(heap.size)?;

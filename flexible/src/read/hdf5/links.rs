@@ -10,6 +10,9 @@ const SYMBOL_TABLE: u16 = 0x11;
 /// The type of a tree of links by name. Four bytes of a record before the place in the heap are the hash of the name.
 const LINKS_BY_NAME: (u8, usize) = (5, 4);
 
+/// Most bytes of a name. Those of MED have 64; without a limit, names that overlap would ask for much memory.
+const LONGEST: usize = 1024;
+
 /// A name and the address of an object.
 pub(in crate::read) type Link<'f> = (&'f [u8], u64);
 
@@ -50,6 +53,9 @@ impl<'f> Hdf5<'f> {
         at.skip(if flags & 4 != 0 { 8 } else { 0 })?;
         at.skip(if flags & 0x10 != 0 { 1 } else { 0 })?;
         let length = at.count(1 << (flags & 3))?;
+        if length > LONGEST {
+            return Err(Trouble::Damaged("a name has no end"));
+        }
         let name = at.take(length)?;
         match kind {
             0 => Ok(Some((name, at.number(self.offset)?))),
@@ -112,8 +118,10 @@ impl<'f> Hdf5<'f> {
             let kind = at.number(4)?;
             at.skip(20)?;
             let name = names.get(name..).ok_or(Trouble::Cut)?;
+            let name = name.get(..LONGEST).unwrap_or(name);
             let end = name.iter().position(|byte| *byte == 0);
-            let name = name.get(..end.ok_or(Trouble::Cut)?).unwrap_or(&[]);
+            let end = end.ok_or(Trouble::Damaged("a name has no end"))?;
+            let name = name.get(..end).unwrap_or(&[]);
             // a link to a name
             if kind != 2 {
                 links.push((name, object));

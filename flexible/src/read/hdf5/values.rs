@@ -195,6 +195,8 @@ impl<'f> Hdf5<'f> {
             },
             _ => return Err(apart),
         };
-        Values::new(kind, count, data).map(Some)
+        let values = Values::new(kind, count, data)?;
+        self.count_values(values.bytes.len())?;
+        Ok(Some(values))
     }
 }

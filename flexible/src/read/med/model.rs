@@ -13,8 +13,7 @@ use crate::read::ShellGroups;
 use crate::read::builder::{NewElement, Once, TooMany, add_element};
 use crate::read::labels::Labels;
 
-/// The most memberships in groups for each node and cell of a file, on average. A choice: without it a small file could ask for
-/// much memory.
+/// The most members of all groups for each node, on average. A choice: without it a small file could ask for much memory.
 const MOST_GROUPS: usize = 100;
 
 /// Folders of a file without stiffness, mass and constraints: fields, steps, profiles, joints, localisations, links.

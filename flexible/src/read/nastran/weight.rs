@@ -13,7 +13,7 @@ const HEADING: &str = "MASS AXIS SYSTEM (S)";
 /// The largest difference of the masses of two directions, as a part of them. The printed digits are seven.
 const EQUAL: f64 = 1e-6;
 
-/// The lines of the first table among the comments.
+/// The lines of the first whole table among the comments.
 #[derive(Debug, Default)]
 pub(super) struct WeightTable {
     reference: Option<u64>,
@@ -51,6 +51,7 @@ impl WeightTable {
         let [x, y, z] = <[[f64; 4]; 3]>::try_from(self.rows.as_slice()).ok()?;
         let [mass, others @ ..] = [x, y, z].map(|row| row[0]);
         if mass <= 0.0
+            || !mass.is_finite()
             || others
                 .iter()
                 .any(|other| (other / mass - 1.0).abs() > EQUAL)
