@@ -44,10 +44,11 @@ process.env.PATH = "";
 delete process.env.VIRTUAL_ENV;
 const extension = require(process.argv[1]);
 extension.activate({ subscriptions: [] }).then(() =>
-    setTimeout(async () => {
+    // the offer is made before any timer or input
+    setImmediate(async () => {
         await extension.deactivate();
         console.log(JSON.stringify({ registered, words }));
-    }, 200));
+    }));
 """
 
 
@@ -75,6 +76,11 @@ def named(value: object) -> set[str]:
     return {value[2:]} if isinstance(value, str) and value.startswith("./") else set()
 
 
+def manifests(folder: pathlib.Path, name: str) -> list[pathlib.Path]:
+    """The descriptions of a package, one for each of its versions."""
+    return sorted(folder.glob(f"**/node_modules/{name}/package.json"))
+
+
 def needed(folder: pathlib.Path, package: dict[str, object]) -> set[str]:
     """The packages that a package needs, and those that they need."""
     found: set[str] = set()
@@ -83,7 +89,8 @@ def needed(folder: pathlib.Path, package: dict[str, object]) -> set[str]:
         name = due.pop()
         if name not in found:
             found.add(name)
-            due += json.loads((folder / "node_modules" / name / "package.json").read_text()).get("dependencies", {})
+            for manifest in manifests(folder, name):
+                due += json.loads(manifest.read_text()).get("dependencies", {})
     return found
 
 
@@ -106,16 +113,18 @@ def main() -> None:
     about = json.loads((unpacked / "package.json").read_text())
     assert {name for name in names if not name.startswith("node_modules/")} == OWN, names
     assert named(about) <= OWN, named(about)
-    packages = {name.split("/")[1] for name in names if name.startswith("node_modules/")}
+    # directly below the folder of a package: its inner folders may have a package.json, too
+    inside = re.compile(r"(?:.*/)?node_modules/((?:@[^/]+/)?[^/]+)/package\.json$")
+    packages = {match.group(1) for name in names if (match := inside.match(name))}
     assert packages == needed(unpacked, about), packages
     for name in packages:
-        licences = [path for path in (unpacked / "node_modules" / name).iterdir() if path.name.lower().startswith("licen")]
-        assert licences, f"no licence of {name}"
+        for manifest in manifests(unpacked, name):
+            assert any(path.name.lower().startswith("licen") for path in manifest.parent.iterdir()), f"no licence in {manifest.parent}"
     assert not (unwanted := [name for name in names if NEEDLESS.search(name)]), unwanted
 
-    told = json.loads(run(["node", "-e", STARTED, str(unpacked)], folder))
-    assert told["registered"] == ["eng.run", "eng.restart"], told
-    assert "There is no command eng" in told["words"][0] and "pip install englang" in told["words"], told
+    said = json.loads(run(["node", "-e", STARTED, str(unpacked)], folder))
+    assert said["registered"] == ["eng.run", "eng.restart"], said
+    assert "There is no command eng" in said["words"][0] and "pip install englang" in said["words"], said
     print(f"{archive.name}: {archive.stat().st_size // 1000} kB, {len(names)} files, {len(packages)} packages; it starts")
 
 

@@ -5,8 +5,8 @@ FMI 2.0 and 3.0. Under FMPy an FMU must have the bits of `englang`, also after i
 Exits with 1 where something differs.
 
 Ecos and libcosim are importers in C++ by other authors: Ecos reads FMUs by fmi4c, libcosim by the FMI Library, which many tools use.
-They step the same FMUs, and must get the bits of `englang` at their own communication points. The importer `fmi-sim` in Rust is not
-used: its 343 locked packages, Arrow among them, were not compiled after 149 s of computing time.
+They step the same FMUs, and must get the bits of `englang` at their own communication points. The importer `fmi-sim` in Rust
+is not used: it locks 343 packages, Arrow among them.
 
 `fmus.py continue FMU STATE` takes the last steps from the state in a file and prints their bits. `fmus.py ecos FMU` and
 `fmus.py libcosim FMU` print the bits of all steps under that importer.

@@ -1,5 +1,6 @@
 -- Run by neovim.py inside of Neovim, with a wrong text in the buffer. Any error ends Neovim with code 1.
-local PATIENCE = 30000 -- milliseconds
+-- a guard against a hang, not a demand on speed
+local PATIENCE = 300000 -- milliseconds
 
 local function wait(what, condition)
   assert(vim.wait(PATIENCE, condition, 20), "in vain: " .. what)

@@ -29,7 +29,7 @@ def main() -> None:
     own = {f"XDG_{kind}_HOME": str(folder / kind.lower()) for kind in ("CONFIG", "DATA", "STATE", "CACHE")}
     path = f"{eng.parent}{os.pathsep}{os.environ['PATH']}"
     words = [nvim, "--headless", "-i", "NONE", "-u", "init.lua", "swing.eng", "-c", f"luafile {root / '.ci/neovim.lua'}"]
-    done = subprocess.run(words, cwd=folder, env={**os.environ, **own, "PATH": path}, capture_output=True, text=True, timeout=200)
+    done = subprocess.run(words, cwd=folder, env={**os.environ, **own, "PATH": path}, capture_output=True, text=True, timeout=1500)
     if done.returncode != 0:
         sys.exit(f"Neovim ended with {done.returncode}\n{done.stderr}")
     assert model.read_text() == text, model.read_text()

@@ -1,4 +1,4 @@
-"""What notebooks show of tables, runs, reports, studies and errors: short texts of HTML."""
+"""Tables, runs, reports, studies and errors in notebooks: short texts of HTML."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def table(of: Table[Any]) -> str:
 
 
 def run(of: Run) -> str:
-    """The first rows of a run, and what the reports of its text give for this run alone."""
+    """The first rows of a run, and values, conditions and figures of the reports over this run alone."""
     parts = [table(of)]
     room = FIGURES
     for name in of.reports:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, SupportsFloat, SupportsIndex, TypeAlias
 
 from . import _native
 from ._errors import Interrupted, RunError, SettingError
-from ._quantities import text_of, texts_of
+from ._quantities import texts_of
 from ._report import Report
 from ._table import Run
 
@@ -283,7 +283,7 @@ class Analysis:
         analysis = self if set is None else self.set(set)
         try:
             native = analysis._native.run(
-                step=text_of("step", step),
+                step=step,
                 tolerance=tolerance,
                 channels=_texts("channels", channels),
                 folder=folder,

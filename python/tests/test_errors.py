@@ -154,11 +154,15 @@ def test_a_failed_run_keeps_its_samples() -> None:
 def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
     # a shell without a terminal starts its jobs with the signal ignored
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer = threading.Timer(0.5, _thread.interrupt_main)
-    timer.start()
+
+    def interrupt(_fraction: float, now: float) -> None:
+        # by the time of the model, so the load of the machine does not count
+        if now > 1.0:
+            _thread.interrupt_main()
+
     try:
         with pytest.raises(KeyboardInterrupt) as raised:
-            mass.analysis("long").run()
+            mass.analysis("long").run(progress=interrupt)
     finally:
         signal.signal(signal.SIGINT, before)
     assert isinstance(raised.value, eng.Interrupted)
@@ -171,6 +175,8 @@ def test_ctrl_c_stops_a_run_and_keeps_its_samples(mass: eng.Program) -> None:
 def test_ctrl_c_ends_an_advance_at_a_step(mass: eng.Program) -> None:
     simulation = mass.model("Mass").simulation()
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    # time has passed, however early the timer ends the next advance
+    simulation.advance(1e-3)
     threading.Timer(0.5, _thread.interrupt_main).start()
     try:
         with pytest.raises(KeyboardInterrupt):
@@ -179,7 +185,7 @@ def test_ctrl_c_ends_an_advance_at_a_step(mass: eng.Program) -> None:
         signal.signal(signal.SIGINT, before)
     # it stands at the end of a step, and goes on from there
     reached = simulation.time
-    assert 0 < reached < 1e12
+    assert 1e-3 <= reached < 1e12
     assert simulation.advance(reached + 1e-3) == reached + 1e-3
 
 
@@ -208,7 +214,7 @@ def test_other_threads_go_on_during_a_run(mass: eng.Program) -> None:
 
     def tick() -> None:
         nonlocal ticks
-        while not ended.wait(0.01):
+        while not ended.wait(0.001):
             ticks += 1
 
     # the ticks at each call of `stop`. A run that kept the interpreter would let through one tick a call at most
@@ -220,7 +226,7 @@ def test_other_threads_go_on_during_a_run(mass: eng.Program) -> None:
     def stop(_fraction: float, _now: float) -> None:
         at_calls.append(ticks)
         # a guard: a run without ticks does not go on for ever
-        if several() or time.monotonic() - began > 60:
+        if several() or time.monotonic() - began > 600:
             raise LookupError
 
     thread = threading.Thread(target=tick)

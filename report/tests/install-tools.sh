@@ -19,8 +19,9 @@ if ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; th
 fi
 
 if command -v npm >/dev/null; then
-    for package in gltf-validator axe-core vscode-tmgrammar-test @vscode/vsce; do
-        [ -d "$folder/node_modules/$package" ] ||
+    for package in gltf-validator axe-core vscode-tmgrammar-test @vscode/vsce@3; do
+        # its folder has no version in its name
+        [ -d "$folder/node_modules/${package%@[0-9]*}" ] ||
             npm install --silent --no-audit --no-fund --prefix "$folder" "$package" >>"$folder/npm.log" 2>&1 ||
             say "$package could not be installed, see $folder/npm.log"
     done
