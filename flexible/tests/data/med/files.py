@@ -1,8 +1,8 @@
 """Writes MED files for the tests with medcoupling 9.14, the library of Salome, and with h5py; and `.msh` of the same meshes with gmsh 4.15.
 
-`kinds1`, `kinds2`: one solid of each shape, of both orders. `many1`: a family for each of 300 cells. `old`: the mesh of
+`kinds1`, `kinds2`: one solid of each shape, of both orders. `many`: a family for each of 300 cells. `old`: the mesh of
 `kinds1` in the layout of MED 2.2. `mirrored`: `kinds2` with mirrored solids. `cover`: a hexahedron, shells
-beside it and a face of it.
+beside it and a face of it. `wrong_*`: copies of `kinds1` with one mistake each.
 """
 import os
 
@@ -24,6 +24,13 @@ CELLS = [
     (mc.NORM_TETRA4, [1, 5, 9, 11]),
 ]
 LEFT, RIGHT = [0, 3, 4, 7], [9, 10]
+# the nodes of mirrored solids; there is one of each kind
+MIRRORED = {
+    "T10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
+    "H20": [0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17],
+    "P15": [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13],
+    "P13": [0, 3, 2, 1, 4, 8, 7, 6, 5, 9, 12, 11, 10],
+}
 
 
 def mesh(name, cells, dimension=3):
@@ -118,15 +125,6 @@ def cover():
     file.write("cover.med", 2)
 
 
-gmsh.initialize()
-gmsh.option.setNumber("General.Verbosity", 1)
-for order in (1, 2):
-    kinds(order)
-many()
-old()
-cover()
-
-
 def changed(name, source, change):
     """A copy of a file with a change."""
     with h5py.File(f"{source}.med") as good, h5py.File(f"{name}.med", "w", libver="v108") as file:
@@ -155,6 +153,19 @@ def with_node(step, node):
     replaced(step["MAI/HE8"], "NOD", nodes)
 
 
+def mirror(file, mesh, step):
+    for kind, order in MIRRORED.items():
+        replaced(step["MAI"][kind], "NOD", step["MAI"][kind]["NOD"][:][order])
+
+
+gmsh.initialize()
+gmsh.option.setNumber("General.Verbosity", 1)
+for order in (1, 2):
+    kinds(order)
+many()
+old()
+cover()
+
 wrong("version", lambda file, mesh, step: file["INFOS_GENERALES"].attrs.modify("MAJ", 5))
 wrong("no_version", lambda file, mesh, step: file.__delitem__("INFOS_GENERALES"))
 wrong("no_mesh", lambda file, mesh, step: file.__delitem__("ENS_MAA"))
@@ -176,19 +187,5 @@ wrong("no_nodes", lambda file, mesh, step: step.__delitem__("NOE"))
 wrong("no_solids", lambda file, mesh, step: [step["MAI"].__delitem__(kind) for kind in ("HE8", "PE6", "PY5", "TE4")])
 wrong("no_groups", lambda file, mesh, step: file.__delitem__("FAS"))
 wrong("unknown", lambda file, mesh, step: (file.create_group("CHA"), file.create_group("STRUCT_ELEM")))
-
-# the nodes of mirrored solids; there is one of each kind
-MIRRORED = {
-    "T10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
-    "H20": [0, 3, 2, 1, 4, 7, 6, 5, 11, 10, 9, 8, 15, 14, 13, 12, 16, 19, 18, 17],
-    "P15": [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13],
-    "P13": [0, 3, 2, 1, 4, 8, 7, 6, 5, 9, 12, 11, 10],
-}
-
-
-def mirror(file, mesh, step):
-    for kind, order in MIRRORED.items():
-        replaced(step["MAI"][kind], "NOD", step["MAI"][kind]["NOD"][:][order])
-
 
 changed("mirrored", "kinds2", mirror)
