@@ -187,7 +187,7 @@ pub(crate) const WORDS: &[About] = &[
     ),
     (
         "place",
-        "`place a on b` in a class: the assembly looks for positions in which the origin of a lies on that of b; `at` states a height or a place",
+        "`place a on b` in a class: the assembly looks for positions in which the origin of a lies on that of b",
     ),
     (
         "point",

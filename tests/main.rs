@@ -77,7 +77,6 @@ mod response;
 mod run_command;
 mod run_diagnostics;
 mod settling_films;
-mod soft_places;
 mod solved;
 mod stacks;
 mod starts_and_cycles;

@@ -332,15 +332,14 @@ pub enum Statement {
     },
     /// `resolve radial_clearance`: the length that positions at the markers of a class must resolve.
     Resolve(Expr),
-    /// `place a on b`, `place a on b at height`, `place a on b at [x, y, z]`: where the assembly prefers the first marker of a
-    /// class.
+    /// `place a on b`, `place a on b at height`: where the assembly prefers the first marker of a class.
     Place {
         /// The marker that is placed.
         moving: Expr,
         /// The marker at which it is placed.
         on: Expr,
-        /// A height above a plane, or a place in the axes of the other marker; absent for a pin in its shell.
-        at: Option<Expr>,
+        /// The height above a plane; absent for a pin in its shell.
+        height: Option<Expr>,
     },
     /// `shank.mass = 0.65 kg` after `with`: a number inside of a part.
     Change {

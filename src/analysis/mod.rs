@@ -25,9 +25,7 @@ use eng_runtime::{
 };
 use eng_system::code::BindError;
 use eng_system::significant::short;
-use eng_system::system::{
-    AnalysisKind, BodyRef, Extent, PointValue, Rows, Start, StepControl, Target,
-};
+use eng_system::system::{AnalysisKind, BodyRef, Extent, PointValue, Rows, Start, StepControl};
 use std::num::NonZeroUsize;
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -544,11 +542,9 @@ impl Analysis {
         element.places.iter().find_map(|placing| {
             let ((moving, a), (on, b)) = (place(placing.moving)?, place(placing.on)?);
             let offset = b.rotation.transpose() * (a.position - b.position);
-            let apart = match placing.target {
-                Target::Height(height) => (offset[2] - model.slot(height)).abs(),
-                Target::Axis => libm::hypot(offset[0], offset[1]),
-                // a soft joint need not be at its place
-                Target::Place(_) => return None,
+            let apart = match placing.height {
+                Some(height) => (offset[2] - model.slot(height)).abs(),
+                None => libm::hypot(offset[0], offset[1]),
             };
             (apart > allowed).then(|| {
                 format!(

@@ -10,7 +10,7 @@ use eng_runtime::rotation::V3;
 use eng_runtime::state::State;
 use eng_system::Dimension;
 use eng_system::lint;
-use eng_system::system::{Origin, Role, Target};
+use eng_system::system::{Origin, Role};
 
 /// A speed below this share of the other counts as zero. A choice above the effect of small tilts.
 const STANDS: f64 = 1e-3;
@@ -209,10 +209,8 @@ impl Start<'_> {
         let placed = (0..self.model.elements.len()).any(|e| {
             let of_start = matches!(system.elements[e].role, Role::StartPosition { .. });
             let holds = self.model.constrains(e);
-            // the assembly puts a pin into the middle of its shell, and a contact to its reach. A soft joint does not place a
-            // body that a slide holds
-            let places = (system.elements[e].places.iter())
-                .any(|placing| !matches!(placing.target, Target::Place(_)));
+            // the assembly puts a pin into the middle of its shell, and a contact to its reach
+            let places = !system.elements[e].places.is_empty();
             e != element && touches(e) && (of_start || holds || places)
         });
         if info.position.is_some() || placed {

@@ -1,7 +1,7 @@
 //! The columns that a run records of a system, in order.
 
 use crate::analysis::{AnalysisKind, Names, Response};
-use crate::system::{BodyInertia, Role, System, Target};
+use crate::system::{BodyInertia, Role, System};
 use crate::{Dimension, DisplayUnit};
 use std::f64::consts::PI;
 
@@ -108,7 +108,7 @@ pub fn channels_of_motion(system: &System) -> Vec<usize> {
     }
     let is_film = |element: usize| {
         let places = &system.elements[element].places;
-        places.iter().any(|place| place.target == Target::Axis)
+        places.iter().any(|place| place.height.is_none())
     };
     let mut left_out: Vec<bool> = (0..system.elements.len()).map(is_film).collect();
     // outputs that read left-out ones, until no further one is found

@@ -367,39 +367,9 @@ pub struct Placing {
     pub moving: u32,
     /// Index into the element's markers: the one at which it is placed.
     pub on: u32,
-    /// The preferred relation of both.
-    pub target: Target<Slot>,
-}
-
-/// The relation that a `place` states. `T` is a number (m): a slot here, a node in the compiler.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target<T> {
-    /// The first origin is on the z axis of the second, and both z axes are parallel, as those of a pin in its shell.
-    Axis,
-    /// The first origin is at this height above the xy plane of the second.
-    Height(T),
-    /// The first origin is at this place in the axes of the second, and all axes are parallel.
-    Place([T; 3]),
-}
-
-impl<T> Target<T> {
-    /// The same relation with other numbers.
-    pub fn map<U>(self, mut number: impl FnMut(T) -> U) -> Target<U> {
-        match self {
-            Target::Axis => Target::Axis,
-            Target::Height(height) => Target::Height(number(height)),
-            Target::Place(place) => Target::Place(place.map(number)),
-        }
-    }
-
-    /// Its numbers.
-    pub fn numbers(&self) -> &[T] {
-        match self {
-            Target::Axis => &[],
-            Target::Height(height) => std::slice::from_ref(height),
-            Target::Place(place) => place,
-        }
-    }
+    /// Height of the first origin above the xy plane of the second (m). Without it the first origin is on the z
+    /// axis of the second, and both z axes are parallel, as those of a pin in its shell.
+    pub height: Option<Slot>,
 }
 
 /// A field of an element. The kernel is made of it when parameters are bound.

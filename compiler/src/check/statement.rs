@@ -49,19 +49,13 @@ impl<'p> Checker<'p> {
             }
             // a change belongs after `with`, where `changes` checks it
             Statement::Change { .. } => {}
-            Statement::Place { moving, on, at } => {
+            Statement::Place { moving, on, height } => {
                 self.placed_marker(scope, moving, "the value after `place`");
                 self.placed_marker(scope, on, "the value after `on`");
                 self.placed_on_itself(moving, on);
-                if let Some(at) = at {
+                if let Some(height) = height {
                     let length = Type::Scalar(Quantity::hard(Dimension::LENGTH));
-                    let place = Type::list(length.clone(), Some(3));
-                    let found = self.infer_as(scope, at, &length);
-                    let (due, expected) = match found {
-                        Type::List { .. } => ("the place after `at`", &place),
-                        _ => ("the height after `at`", &length),
-                    };
-                    self.fit(at, &found, expected, &Due::new(due));
+                    self.expect(scope, height, &length, &Due::new("the height after `at`"));
                 }
             }
             Statement::Require {

@@ -14,7 +14,7 @@ use eng_system::lint::Accepted;
 use eng_system::system::summary::Summary;
 use eng_system::system::{
     Body, Channel, Condition, FiringInfo, JournalInfo, Kink, Location, Marker, Origin, OutputInfo,
-    Parameter, Part, Resolution, Role, Row, StateInfo, Target,
+    Parameter, Part, Resolution, Role, Row, StateInfo,
 };
 use eng_system::table::Table;
 use std::collections::{BTreeMap, HashMap};
@@ -98,8 +98,8 @@ pub(crate) struct ElementDraft<'a> {
     pub state_scale: Vec<Node>,
     /// Lengths that positions at its markers must resolve.
     pub resolves: Vec<Node>,
-    /// Places of its parts that the assembly prefers: local markers, and the bind nodes of the target.
-    pub places: Vec<(u32, u32, Target<Node>)>,
+    /// Places of its parts that the assembly prefers: local markers, and the bind node of the height.
+    pub places: Vec<(u32, u32, Option<Node>)>,
     pub signals: Vec<u32>,
     /// Its fields.
     pub fields: Vec<FieldDraft>,

@@ -373,10 +373,10 @@ impl<'a, 'd> Elaborator<'a, 'd> {
                     .map(|n| self.graphs.bind.slot(*n))
                     .collect(),
                 places: (draft.places.into_iter())
-                    .map(|(moving, on, target)| Placing {
+                    .map(|(moving, on, height)| Placing {
                         moving,
                         on,
-                        target: target.map(|n| self.graphs.bind.slot(n)),
+                        height: height.map(|n| self.graphs.bind.slot(n)),
                     })
                     .collect(),
                 signals: draft.signals,

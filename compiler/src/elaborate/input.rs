@@ -459,7 +459,7 @@ fn fixed_uses<'s>(system: &'s System, bodies: &[ClassBody]) -> Vec<Fixed<'s>> {
         add(origin, "the scale", &element.state_scale);
         add(origin, "the resolution", &element.resolves);
         for place in &element.places {
-            add(origin, "the place", place.target.numbers());
+            add(origin, "the height", place.height.as_slice());
         }
         for (_, slots) in element.fields.iter().flat_map(|field| &field.settings) {
             add(origin, "the geometry of a field", slots);

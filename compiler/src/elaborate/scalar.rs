@@ -9,7 +9,7 @@ use crate::ir::{Graph, KinkPlace, Node, Op};
 use eng_system::Dimension;
 use eng_system::field::{KERNELS, Kernel};
 use eng_system::layout::{InputLayout, MARKER_WIDTH};
-use eng_system::system::{FieldSource, Kink, Target};
+use eng_system::system::{FieldSource, Kink};
 use std::collections::{BTreeMap, HashMap};
 
 /// The graph of a scalar's node.
@@ -128,8 +128,8 @@ pub(crate) struct ElementBuilder {
     pub call_conditions: Vec<CallCondition>,
     /// Bind nodes of the lengths that positions at its markers must resolve.
     pub resolves: Vec<Node>,
-    /// Places that the assembly prefers: local markers, and the bind nodes of the target.
-    pub places: Vec<(u32, u32, Target<Node>)>,
+    /// Places that the assembly prefers: local markers, and the bind node of the height.
+    pub places: Vec<(u32, u32, Option<Node>)>,
     /// Texts of operations that may have a kink.
     pub kinks: BTreeMap<KinkPlace, Kink>,
     /// Operations that count turns.

@@ -572,17 +572,17 @@ impl<'t> Builder<'t, '_> {
             Rule::resolve => Statement::Resolve(self.next_expression(&mut inner, span, depth)),
             Rule::placing => {
                 let mut markers = Vec::with_capacity(2);
-                let mut at = None;
+                let mut height = None;
                 for part in inner {
                     match part.as_rule() {
                         Rule::postfix => markers.push(self.postfix(part, depth)),
-                        Rule::placed_at => at = self.inner_expression(part, depth),
+                        Rule::height => height = self.inner_expression(part, depth),
                         _ => {}
                     }
                 }
                 let on = markers.pop()?;
                 let moving = markers.pop()?;
-                Statement::Place { moving, on, at }
+                Statement::Place { moving, on, height }
             }
             Rule::accept => Statement::Accept(
                 inner

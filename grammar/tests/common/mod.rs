@@ -275,11 +275,11 @@ fn statement_text(statement: &Statement) -> String {
         Statement::Change { target, value } => {
             format!("(change {} {})", expr(target), expr(value))
         }
-        Statement::Place { moving, on, at } => {
-            let at = at
+        Statement::Place { moving, on, height } => {
+            let height = height
                 .as_ref()
-                .map_or(String::new(), |at| format!(" at {}", expr(at)));
-            format!("(place {} on {}{at})", expr(moving), expr(on))
+                .map_or(String::new(), |height| format!(" at {}", expr(height)));
+            format!("(place {} on {}{height})", expr(moving), expr(on))
         }
         Statement::Accept(names) => {
             let names: Vec<_> = names.iter().map(|name| name.text.as_str()).collect();

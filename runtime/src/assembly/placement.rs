@@ -1,7 +1,7 @@
 //! Placing of bodies one by one, along the joints to placed bodies.
 
 use super::closing::{bodies_of, close};
-use super::rows::{self, Preference, Relation, Rows};
+use super::rows::{self, Preference, Rows};
 use super::{at, is_closed, violated_branches};
 use crate::error::RuntimeError;
 use crate::model::Model;
@@ -54,10 +54,9 @@ pub struct Stated {
 
 /// Places every body without a stated position that rows connect to placed bodies or ground. The body with
 /// the most rows to placed bodies is next; among equals the order of the bodies decides. Rows of angles alone place no
-/// body: a drive between ground and flywheel leaves the place of a carried engine open. Its mounts place the block: a body
-/// without such rows to placed bodies goes where its soft joints state. Unconnected bodies keep their position and count as
-/// placed. A guess is the first position of the search. Its rows are not among `elements`, because they would never close
-/// together with the joints.
+/// body: a drive between ground and flywheel leaves the place of a carried engine open. Unconnected bodies
+/// keep their position and count as placed. A guess is the first position of the search. Its rows are not
+/// among `elements`, because they would never close together with the joints.
 pub fn place(
     model: &Model,
     elements: &[usize],
@@ -66,7 +65,6 @@ pub fn place(
 ) -> Result<(), RuntimeError> {
     let cubes = cube_rotations();
     let preferences = rows::preferences(model);
-    let soft = rows::soft(model);
     // Stated bodies first satisfy rows to ground alone, such as a start angle, beginning at their stated
     // position.
     let mut placed = vec![false; model.bodies.len()];
@@ -75,7 +73,7 @@ pub fn place(
             model,
             elements,
             body,
-            &Known::of(stated, &placed, [&preferences, &soft]),
+            &Known::of(stated, &placed, &preferences),
             &cubes,
             state,
         )?;
@@ -98,22 +96,17 @@ pub fn place(
                 next = Some((rows, body));
             }
         }
-        // If no row leads to another body, a soft joint places the next one. Without such a joint the first body from which
-        // others can be placed keeps its position. It follows rows of angles alone.
-        let open: Vec<usize> = (0..model.bodies.len()).filter(|b| !placed[*b]).collect();
-        let softly = || {
-            let mut bodies = open.iter().copied();
-            bodies.find(|b| !preferred(model, &soft, &[*b], &placed).is_empty())
-        };
-        let body = next.map(|(_, body)| body).or_else(softly);
-        let Some(body) = body.or(open.first().copied()) else {
+        // If no row leads to another body, the first body from which others can be placed keeps its position. It follows
+        // rows of angles alone.
+        let first = || (0..model.bodies.len()).find(|b| !placed[*b]);
+        let Some(body) = next.map(|(_, body)| body).or_else(first) else {
             return Ok(());
         };
         place_one(
             model,
             elements,
             body,
-            &Known::of(stated, &placed, [&preferences, &soft]),
+            &Known::of(stated, &placed, &preferences),
             &cubes,
             state,
         )?;
@@ -176,16 +169,18 @@ fn place_one(
         false => preferred(model, known.preferences, moving, known.placed),
     };
     let preferences = preferences_of(&alone);
-    if preferences.is_empty() && !near.iter().any(|e| places(model, *e)) {
-        let stands = place_softly(model, &near, body, known, cubes, state)?;
-        if stands || near.is_empty() {
-            return Ok(());
-        }
+    if near.is_empty() && preferences.is_empty() {
+        return Ok(());
     }
     if near.is_empty() {
         // nothing else decides the orientation, so the body moves to the height without turning
+        let pose = model.bodies[body].pose;
         for preference in &preferences {
-            shift(model, body, preference, state);
+            let is_own = model.markers[preference.pin].body == Some(body);
+            let way = preference.way_up(model, &at(state)) * if is_own { 1.0 } else { -1.0 };
+            for i in 0..3 {
+                state.pose[pose + i] += way[i];
+            }
         }
     }
     let mut partners = Vec::new();
@@ -197,10 +192,14 @@ fn place_one(
         };
         partners.extend(of(true).zip(of(false)));
     }
-    let ends = preferences
-        .iter()
-        .map(|preference| ends(model, body, preference));
-    partners.extend(ends);
+    for preference in &preferences {
+        let of_pin = model.markers[preference.pin].body == Some(body);
+        partners.push(if of_pin {
+            (preference.pin, preference.shell)
+        } else {
+            (preference.shell, preference.pin)
+        });
+    }
     let rows = Wanted {
         elements: &near,
         preferences: &preferences,
@@ -255,67 +254,6 @@ fn place_one(
     }
     *state = best.state;
     Ok(())
-}
-
-/// The markers of a preference: that of the body, and its partner.
-fn ends(model: &Model, body: usize, preference: &Preference) -> (usize, usize) {
-    match model.markers[preference.pin].body == Some(body) {
-        true => (preference.pin, preference.shell),
-        false => (preference.shell, preference.pin),
-    }
-}
-
-/// Moves a body the way of a preference, without turning it.
-fn shift(model: &Model, body: usize, preference: &Preference, state: &mut State) {
-    let pose = model.bodies[body].pose;
-    let is_own = model.markers[preference.pin].body == Some(body);
-    let way = preference.way(model, &at(state)) * if is_own { 1.0 } else { -1.0 };
-    for i in 0..3 {
-        state.pose[pose + i] += way[i];
-    }
-}
-
-/// Places a body by its soft joints, of which each prefers that its markers coincide. Axes give way to places: mounts may
-/// lean to each other, and three of them have one position of the body. Returns whether the body is at these places.
-fn place_softly(
-    model: &Model,
-    near: &[usize],
-    body: usize,
-    known: &Known<'_>,
-    cubes: &[M3],
-    state: &mut State,
-) -> Result<bool, RuntimeError> {
-    let mut soft = match known.stated.position[body] {
-        true => Vec::new(),
-        false => preferred(model, known.soft, &[body], known.placed),
-    };
-    // a stated orientation stays, so the first soft joint decides the place
-    if known.stated.orientation[body] {
-        if let Some(first) = soft.first() {
-            shift(model, body, first, state);
-        }
-        return Ok(false);
-    }
-    while !soft.is_empty() {
-        let ends = soft.iter().map(|preference| ends(model, body, preference));
-        let partners: Vec<(usize, usize)> = ends.collect();
-        let wanted = Wanted {
-            elements: near,
-            preferences: &soft,
-            stated: known.stated,
-        };
-        let found = search(model, &wanted, &partners, body, &[body], cubes, state)?;
-        if found.key == DONE {
-            *state = found.state;
-            return Ok(true);
-        }
-        let count = soft.len();
-        soft.retain(|preference| preference.relation != Relation::Aligned);
-        if soft.len() == count {
-            break;
-        }
-    }
-    Ok(false)
 }
 
 /// A body and the placed neighbours that move with it.
@@ -429,21 +367,14 @@ struct Known<'a> {
     stated: &'a Stated,
     placed: &'a [bool],
     preferences: &'a [Preference],
-    /// Those of soft joints.
-    soft: &'a [Preference],
 }
 
 impl<'a> Known<'a> {
-    fn of(
-        stated: &'a Stated,
-        placed: &'a [bool],
-        [preferences, soft]: [&'a [Preference]; 2],
-    ) -> Known<'a> {
+    fn of(stated: &'a Stated, placed: &'a [bool], preferences: &'a [Preference]) -> Known<'a> {
         Known {
             stated,
             placed,
             preferences,
-            soft,
         }
     }
 }

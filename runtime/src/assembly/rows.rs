@@ -10,7 +10,7 @@ use crate::rotation::{M3, V3};
 use eng_system::code::{Function, Pair};
 use eng_system::dense::add_scaled;
 use eng_system::layout::InputLayout;
-use eng_system::system::{Role, Target};
+use eng_system::system::Role;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -53,23 +53,11 @@ pub enum Relation {
     },
     /// Both axes are parallel, in the same sense, because an angle is measured about the reference's z.
     Parallel,
-    /// The pin's origin is at a place in the shell's axes, as that of a soft joint.
-    At {
-        /// The place (m).
-        place: [f64; 3],
-        /// Distance from the place up to which the preference counts as fulfilled (m).
-        reach: f64,
-    },
-    /// All axes are parallel, in the same senses, as those of a soft joint.
-    Aligned,
 }
 
-/// All rows that preferences have: the pin's height above that of the preference, its position along the shell's x and
-/// y (m), the pin's axis along both, and its x axis along the shell's y. The rows of each relation follow each other.
-const ROWS_OF_PIN: usize = 6;
-/// Share of the model's length within which a soft joint counts as at its place. A choice: the loads of a machine displace
-/// its mounts by less, and a machine that lies across is off by more.
-const SOFT: f64 = 1e-2;
+/// All rows that preferences have: the pin's position along the shell's x and y (m), the pin's axis along both,
+/// and the pin's height above that of the preference (m).
+const ROWS_OF_PIN: usize = 5;
 
 /// A list of rows: all rows of each element in order, then the rows of preferences.
 #[derive(Clone, Debug)]
@@ -123,7 +111,7 @@ impl Rows {
         for preference in preferences {
             self.preferences.push(*preference);
             let length = model.length;
-            let scales = [length, length, length, 1.0, 1.0, 1.0];
+            let scales = [length, length, 1.0, 1.0, length];
             self.scales.extend(&scales[preference.range()]);
         }
         self
@@ -304,17 +292,10 @@ impl Preference {
     /// The rows of the preference, among all rows that preferences have.
     pub fn range(&self) -> Range<usize> {
         match self.relation {
-            Relation::Above { .. } => 0..1,
-            Relation::At { .. } => 0..3,
-            Relation::Inside { .. } => 1..5,
-            Relation::Parallel => 3..5,
-            Relation::Aligned => 3..6,
+            Relation::Inside { .. } => 0..4,
+            Relation::Above { .. } => 4..5,
+            Relation::Parallel => 2..4,
         }
-    }
-
-    /// Whether the preference is that of a soft joint.
-    pub fn is_soft(&self) -> bool {
-        matches!(self.relation, Relation::At { .. } | Relation::Aligned)
     }
 
     /// Whether the preference places a pin in its shell.
@@ -322,11 +303,11 @@ impl Preference {
         matches!(self.relation, Relation::Inside { .. })
     }
 
-    /// Position of the pin in its shell: its height above that of the preference, x and y (m), x and y of its axis, and y
-    /// of its x axis. In a shell the axis may point either way.
+    /// Position of the pin in its shell: x and y (m), x and y of its axis, and its height (m) above that of the
+    /// preference. In a shell the axis may point either way.
     ///
     /// With the shell's axes S and position s, and the pin's axes P and position p: `e = Sᵀ(p − s)`,
-    /// `a = Sᵀ P z`, `c = Sᵀ P x`.
+    /// `a = Sᵀ P z`.
     fn values(&self, model: &Model, at: &At) -> ([f64; ROWS_OF_PIN], [M3; 2], V3, V3, f64) {
         let pin = marker(model, self.pin, at.pose, at.velocity);
         let shell = marker(model, self.shell, at.pose, at.velocity);
@@ -338,20 +319,12 @@ impl Preference {
             Relation::Inside { .. } if axis.z < 0.0 => -1.0,
             _ => 1.0,
         };
-        let [x, y, height] = match self.relation {
-            Relation::Above { height, .. } => [0.0, 0.0, height],
-            Relation::At { place, .. } => place,
-            _ => [0.0; 3],
+        let height = match self.relation {
+            Relation::Above { height, .. } => height,
+            _ => 0.0,
         };
         (
-            [
-                arm.z - height,
-                arm.x - x,
-                arm.y - y,
-                sign * axis.x,
-                sign * axis.y,
-                turned[(1, 0)],
-            ],
+            [arm.x, arm.y, sign * axis.x, sign * axis.y, arm.z - height],
             [back, turned],
             arm,
             axis,
@@ -361,31 +334,27 @@ impl Preference {
 
     /// Whether the pin is within its reach, and its axis within a hundredth of a radian where it matters.
     pub fn is_fulfilled(&self, model: &Model, at: &At) -> bool {
-        let ([z, x, y, a, b, c], [_, turned], _, axis, _) = self.values(model, at);
+        let ([x, y, a, b, z], .., axis, _) = self.values(model, at);
         // a choice: as far as an axis tilts in the clearance of a bearing
         let along = libm::hypot(a, b) <= 0.01;
         match self.relation {
             Relation::Inside { reach } => libm::hypot(x, y) <= reach && along,
             Relation::Above { reach, .. } => z.abs() <= reach,
             Relation::Parallel => along && axis.z > 0.0,
-            Relation::At { reach, .. } => libm::hypot(libm::hypot(x, y), z) <= reach,
-            Relation::Aligned => along && axis.z > 0.0 && c.abs() <= 0.01 && turned[(0, 0)] > 0.0,
         }
     }
 
-    /// The way of the pin (m, inertial axes) to the height or the place of the preference; zero for other preferences.
-    pub fn way(&self, model: &Model, at: &At) -> V3 {
-        let ([z, x, y, ..], [back, _], ..) = self.values(model, at);
-        let way = match self.relation {
-            Relation::Above { .. } => V3::new(0.0, 0.0, -z),
-            Relation::At { .. } => V3::new(-x, -y, -z),
-            _ => return V3::zeros(),
-        };
-        back.transpose() * way
+    /// The way of the pin (m, inertial axes) to the height of the preference; zero for other preferences.
+    pub fn way_up(&self, model: &Model, at: &At) -> V3 {
+        if !matches!(self.relation, Relation::Above { .. }) {
+            return V3::zeros();
+        }
+        let ([.., above], [back, _], ..) = self.values(model, at);
+        back.transpose() * V3::new(0.0, 0.0, -above)
     }
 
     /// Values and derivatives from row `first` on: `δe = Sᵀ(δp − δs) − δσ × e`,
-    /// `δa = Sᵀ P (δπ × z) − δσ × a`, `δc = Sᵀ P (δπ × x) − δσ × c`, δπ and δσ in the axes of pin and shell.
+    /// `δa = Sᵀ P (δπ × z) − δσ × a`, δπ and δσ in the axes of pin and shell.
     fn add(
         &self,
         model: &Model,
@@ -395,7 +364,6 @@ impl Preference {
         matrix: &mut Gradients,
     ) {
         let (now, [back, turned], arm, axis, sign) = self.values(model, at);
-        let cross: V3 = turned.column(0).into_owned();
         let range = self.range();
         for (i, value) in now[range.clone()].iter().enumerate() {
             values[first + i] = *value;
@@ -410,21 +378,13 @@ impl Preference {
             for w in 0..width {
                 let part = |row: usize| V3::from_fn(|i, _| jacobian[(row + i) * width + w]);
                 let (moves, turns) = (back * part(0), part(3));
-                let (e, a, c) = if of_shell {
-                    (
-                        -moves - turns.cross(&arm),
-                        -turns.cross(&axis),
-                        -turns.cross(&cross),
-                    )
+                let (e, a) = if of_shell {
+                    (-moves - turns.cross(&arm), -turns.cross(&axis))
                 } else {
-                    (
-                        moves,
-                        turned * turns.cross(&V3::z()),
-                        turned * turns.cross(&V3::x()),
-                    )
+                    (moves, turned * turns.cross(&V3::z()))
                 };
                 let column = body.velocity + w;
-                let rates = [e.z, e.x, e.y, sign * a.x, sign * a.y, c.y];
+                let rates = [e.x, e.y, sign * a.x, sign * a.y, e.z];
                 for (i, rate) in rates[range.clone()].iter().enumerate() {
                     matrix.add(first + i, column, &[*rate]);
                 }
@@ -433,21 +393,8 @@ impl Preference {
     }
 }
 
-/// The preferences that the classes of a model's elements state, without those of soft joints.
+/// The preferences that the classes of a model's elements state.
 pub fn preferences(model: &Model) -> Vec<Preference> {
-    let mut found = stated(model);
-    found.retain(|preference| !preference.is_soft());
-    found
-}
-
-/// The preferences of soft joints. They place a body that nothing else places.
-pub fn soft(model: &Model) -> Vec<Preference> {
-    let mut found = stated(model);
-    found.retain(Preference::is_soft);
-    found
-}
-
-fn stated(model: &Model) -> Vec<Preference> {
     let mut found = Vec::new();
     for (e, element) in model.compiled.system.elements.iter().enumerate() {
         if element.places.is_empty() || !model.elements[e].dynamic {
@@ -469,20 +416,18 @@ fn stated(model: &Model) -> Vec<Preference> {
                 continue;
             }
             let reach = reach.max(0.0);
-            let relations = match place.target.map(|slot| model.slot(slot)) {
-                Target::Axis => vec![Relation::Inside { reach }],
-                Target::Height(height) => vec![Relation::Above { height, reach }],
-                Target::Place(place) => {
-                    let reach = reach.max(SOFT * model.length);
-                    vec![Relation::At { place, reach }, Relation::Aligned]
-                }
-            };
-            found.extend(relations.into_iter().map(|relation| Preference {
+            found.push(Preference {
                 element: e,
                 pin,
                 shell,
-                relation,
-            }));
+                relation: match place.height {
+                    None => Relation::Inside { reach },
+                    Some(height) => Relation::Above {
+                        height: model.slot(height),
+                        reach,
+                    },
+                },
+            });
         }
     }
     found

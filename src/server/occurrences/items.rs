@@ -270,9 +270,9 @@ impl<'i> Walk<'i, '_> {
                 self.message(message);
                 self.inner.truncate(depth);
             }
-            Statement::Place { moving, on, at } => {
+            Statement::Place { moving, on, height } => {
                 self.values([moving, on]);
-                self.values(at);
+                self.values(height);
             }
             Statement::Rate { state, value } => {
                 self.name(&state.text, state.span);

@@ -11,7 +11,7 @@ use eng_grammar::ast::{BindingKind, ExprKind, ItemKind, Statement};
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::Dimension;
 use eng_system::system::{
-    Condition, ConditionKind, Location, MessagePart, Origin, Resolution, Row, Target,
+    Condition, ConditionKind, Location, MessagePart, Origin, Resolution, Row,
 };
 
 impl<'a> Elaborator<'a, '_> {
@@ -265,7 +265,7 @@ impl<'a> Elaborator<'a, '_> {
     /// The places of its parts that an element states for the assembly.
     pub(super) fn placings(&mut self, items: &'a [ast::Item], scope: ScopeId) -> Eval<()> {
         for item in items {
-            let ItemKind::Statement(Statement::Place { moving, on, at }) = &item.kind else {
+            let ItemKind::Statement(Statement::Place { moving, on, height }) = &item.kind else {
                 continue;
             };
             let mut markers = [0; 2];
@@ -274,32 +274,20 @@ impl<'a> Elaborator<'a, '_> {
                 let marker = self.as_marker(value, written.span)?;
                 *local = self.local_marker(marker, Some(written.span))?;
             }
-            let target = match at {
-                Some(at) => self.target(at, scope)?,
-                None => Target::Axis,
+            let height = match height {
+                Some(height) => {
+                    let value = self.evaluate(height, scope)?;
+                    let number = self.as_scalar(value, height.span)?;
+                    Some(self.bind_node(number, height.span)?)
+                }
+                None => None,
             };
             let [moving, on] = markers;
             if let Some(element) = self.graphs.element.as_mut() {
-                element.places.push((moving, on, target));
+                element.places.push((moving, on, height));
             }
         }
         Ok(())
-    }
-
-    /// The value after `at` of a `place`: a height, or a place of three numbers.
-    fn target(&mut self, at: &'a ast::Expr, scope: ScopeId) -> Eval<Target<Node>> {
-        let value = self.evaluate(at, scope)?;
-        if matches!(value, Value::Scalar(_) | Value::Int(_)) {
-            let height = self.as_scalar(value, at.span)?;
-            return Ok(Target::Height(self.bind_node(height, at.span)?));
-        }
-        let numbers = self.as_components(value, at.span)?;
-        let [x, y, z] = self.three(numbers, at.span)?;
-        Ok(Target::Place([
-            self.bind_node(x, at.span)?,
-            self.bind_node(y, at.span)?,
-            self.bind_node(z, at.span)?,
-        ]))
     }
 
     pub(in crate::elaborate) fn condition(
