@@ -1128,7 +1128,11 @@ fn the_examples_and_the_reference_report() {
         (
             "inline4.eng".to_owned(),
             format!(
-                "{text}\n///{}",
+                "{text}\n///{}
+                report drawn {{
+                    figure orbits = orbit(fired.engine.main[1..5], cycles: 1)
+                    figure orders = spectrum(last_cycle(fired.engine.main[5].force.x), axis: order, up_to: 20, window: rectangular)
+                }}",
                 block.replace("report bearings", "report again")
             ),
         ),
@@ -1138,7 +1142,7 @@ fn the_examples_and_the_reference_report() {
         .into_program()
         .unwrap_or_else(|report| panic!("{report}"));
     let names: Vec<&str> = program.reports().iter().map(|r| r.name.as_str()).collect();
-    assert_eq!(names, ["bearings", "again"]);
+    assert_eq!(names, ["bearings", "again", "drawn"]);
     let runs: Vec<(Results, Machine)> = ["unfired", "fired", "settled"]
         .iter()
         .map(|name| {
@@ -1189,7 +1193,8 @@ fn the_examples_and_the_reference_report() {
         films.iter().all(|f| (0.1e-6..10e-6).contains(f)),
         "{films:?}"
     );
-    let Figure::Orbits(orbits) = figure(&made, "orbits") else {
+    let drawn = evaluate(&program.reports()[2], &runs);
+    let Figure::Orbits(orbits) = figure(&drawn, "orbits") else {
         panic!("no orbits");
     };
     assert!(
@@ -1230,7 +1235,7 @@ fn the_examples_and_the_reference_report() {
         ]
     );
     // an order of a shaft at a known speed is a frequency; one journal alone has no letter
-    let orders = history(&made, "orders");
+    let orders = history(&drawn, "orders");
     let Abscissa::OrderAt { speed } = orders.abscissa else {
         panic!("{:?}", orders.abscissa);
     };
