@@ -83,18 +83,14 @@
 //! ```
 
 #![forbid(unsafe_code)]
-// tests compare with the standard library's functions
-#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
+#![deny(clippy::disallowed_methods)]
 // no input may end the library in a panic
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::unreachable,
-        clippy::todo
-    )
+#![deny(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unreachable,
+    clippy::todo
 )]
 
 pub mod animation;
@@ -105,3 +101,123 @@ pub mod signal;
 mod unit;
 
 pub use unit::readable_unit;
+
+/// Parts that the tests of `tests/` check alone. No other crate may use them.
+#[doc(hidden)]
+pub mod internals {
+    use crate::animation::{AnimationError, FilmSurface, Films, NodeField};
+    use crate::figure::marks::marks;
+    use crate::figure::palette::{Color, Theme};
+    use crate::figure::plane::View;
+    use crate::figure::svg::{CurveTag, Stroke, Svg, Target};
+    use crate::figure::sweep::cells::Cells;
+    use crate::figure::{Orbit, Upright};
+    use crate::signal::SweepMap;
+
+    pub use crate::animation::packed::{deflated, packed};
+    pub use crate::animation::viewer::file_stem;
+    pub use crate::figure::bode::continued as continued_phases;
+    pub use crate::figure::decimate::{runs as curve_runs, thinned};
+    pub use crate::figure::film::within_a_turn;
+    pub use crate::figure::font::text_width;
+    pub use crate::figure::svg::coordinate;
+    pub use crate::figure::sweep::cells::{ROWS as MOST_ROWS, edges as speed_edges};
+
+    /// Signals beyond their ends.
+    pub mod continuation {
+        pub use crate::signal::continuation::{Continued, GROWTH, continued, weight};
+    }
+
+    /// Numbers of tables, and the scripts of a page.
+    pub mod page {
+        pub use crate::animation::viewer::SCRIPT as VIEWER;
+        pub use crate::page::FIGURES;
+        pub use crate::page::table::{shortened, significant};
+    }
+
+    /// Marks of axes.
+    pub mod ticks {
+        pub use crate::figure::ticks::{
+            Ticks, crank_angle, exponent, inside, number, power_of_ten, ratios, rounded, shortest,
+        };
+    }
+
+    /// Surfaces of rigid bodies.
+    pub mod solid {
+        pub use crate::animation::solid::{SIDES, Solid};
+    }
+
+    /// Still pictures.
+    pub mod image {
+        pub use crate::animation::image::{Canvas, Vertex};
+    }
+
+    /// Colours of still pictures.
+    pub mod poster {
+        pub use crate::animation::poster::{LEVELS, Range, level};
+    }
+
+    /// Rotations of pictures.
+    pub mod quaternion {
+        pub use crate::animation::quaternion::{cross, dot, minus, nearer, normalised, rotated};
+    }
+
+    /// Angle (°) and place (µm) of each mark of an orbit's last cycle.
+    pub fn orbit_marks(orbit: &Orbit, period: f64) -> Vec<(i64, f64, f64)> {
+        marks(&orbit.cell(), period)
+    }
+
+    /// The pixel of a point in a cell of a plane figure whose origin is at the pixel (0, 0), one pixel a unit.
+    pub fn upright_point(upright: Upright, x: f64, y: f64) -> (f64, f64) {
+        let view = View {
+            center: (0.0, 0.0),
+            scale: 1.0,
+            upright,
+        };
+        view.point(x, y)
+    }
+
+    /// A drawing of a page with one curve through points (pixels), with the crank angle of each point (°).
+    pub fn page_curve(points: &[(f64, f64)], angles: Vec<f64>) -> String {
+        let target = Target {
+            theme: Theme::Page,
+            id: "a",
+        };
+        let mut svg = Svg::new(10.0, 10.0, "", target);
+        let tag = CurveTag {
+            name: "A",
+            angles,
+            ..CurveTag::default()
+        };
+        svg.curve(points, Stroke::solid(Color::Ink, 1.0), &tag);
+        svg.finish()
+    }
+
+    /// The amplitudes of each speed's column of cells up to a position.
+    pub fn merged_cells(map: &SweepMap, reach: f64) -> Vec<Vec<f64>> {
+        Cells::new(map, reach).values
+    }
+
+    /// The pressures of a film at a time (index).
+    pub fn film_field(film: &FilmSurface, time: usize, unit: &str) -> NodeField {
+        film.field(time, unit)
+    }
+
+    /// Lowest and highest pressure of all films.
+    pub fn film_range(films: &Films) -> [f64; 2] {
+        films.range()
+    }
+
+    /// Displacements of a film's nodes for its pressures (m).
+    pub fn film_hill(films: &Films, film: &FilmSurface, pressures: &[f64]) -> Vec<[f64; 3]> {
+        films.hill(film, pressures)
+    }
+
+    /// Refuses a film that does not fit an animation of so many times.
+    ///
+    /// # Errors
+    /// If its moments, poses, directions or pressures do not fit.
+    pub fn check_film(film: &FilmSurface, times: usize) -> Result<(), AnimationError> {
+        film.check(times)
+    }
+}

@@ -37,29 +37,3 @@ pub fn readable_unit(symbol: &str) -> String {
     text.truncate(text.trim_end().len());
     text
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn signs_of_print() {
-        for (written, read) in [
-            ("m/s^2", "m/s²"),
-            ("kg*m^2", "kg·m²"),
-            ("N*m*s/rad", "N·m·s/rad"),
-            ("um", "µm"),
-            ("degC", "°C"),
-            ("deg", "°"),
-            ("mm^-1", "mm⁻¹"),
-            ("1", "1"),
-            ("rpm", "rpm"),
-            ("1/min", "1/min"),
-            ("", ""),
-            ("%", "%"),
-            ("m^10*s", "m¹⁰·s"),
-        ] {
-            assert_eq!(readable_unit(written), read);
-        }
-    }
-}

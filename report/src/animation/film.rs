@@ -36,7 +36,7 @@ pub struct Films {
 
 impl Films {
     /// Lowest and highest pressure of all films; zero and zero without films.
-    pub(super) fn range(&self) -> [f64; 2] {
+    pub(crate) fn range(&self) -> [f64; 2] {
         let all = || {
             self.surfaces
                 .iter()
@@ -53,7 +53,7 @@ impl Films {
     }
 
     /// Displacements of a film's nodes for its pressures at one of its moments (m).
-    pub(super) fn hill(&self, film: &FilmSurface, pressures: &[f64]) -> Vec<[f64; 3]> {
+    pub(crate) fn hill(&self, film: &FilmSurface, pressures: &[f64]) -> Vec<[f64; 3]> {
         let [low, high] = self.range();
         let per_unit = if high > low {
             self.height / (high - low)
@@ -99,7 +99,7 @@ impl FilmSurface {
     }
 
     /// Pressures at a time (index) as a field.
-    pub(super) fn field(&self, time: usize, unit: &str) -> NodeField {
+    pub(crate) fn field(&self, time: usize, unit: &str) -> NodeField {
         let mut values = vec![0.0; self.surface.nodes.len()];
         for (share, pressures) in self.shares(time).iter().zip(&self.pressures) {
             for (value, pressure) in values.iter_mut().zip(pressures) {
@@ -113,7 +113,8 @@ impl FilmSurface {
         }
     }
 
-    fn check(&self, times: usize) -> Result<(), AnimationError> {
+    /// Refuses shapes, moments and pressures that do not fit.
+    pub(crate) fn check(&self, times: usize) -> Result<(), AnimationError> {
         let name = &self.name;
         check_surface(name, &self.surface)?;
         check_poses(name, &self.poses, times)?;
@@ -145,63 +146,3 @@ impl FilmSurface {
 
 /// The name of the choice of colours.
 pub(super) const PRESSURE: &str = "pressure of films";
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn film() -> FilmSurface {
-        FilmSurface {
-            name: "main".to_owned(),
-            surface: Surface {
-                nodes: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-                triangles: Vec::new(),
-            },
-            outward: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            poses: vec![Pose::HOME],
-            moments: vec![2, 4, 8],
-            pressures: vec![vec![0.0, 4.0], vec![2.0, 8.0], vec![10.0, 0.0]],
-        }
-    }
-
-    #[test]
-    fn pressures_between_moments_lie_on_straight_lines() {
-        let film = film();
-        let at = |time| film.field(time, "MPa").values;
-        // the first moment holds before it, the last one after it
-        assert_eq!(at(0), [0.0, 4.0]);
-        assert_eq!(at(3), [1.0, 6.0]);
-        assert_eq!(at(4), [2.0, 8.0]);
-        assert_eq!(at(6), [6.0, 4.0]);
-        assert_eq!(at(9), [10.0, 0.0]);
-    }
-
-    #[test]
-    fn hills_have_one_scale() {
-        let films = Films {
-            surfaces: vec![film()],
-            unit: "MPa".to_owned(),
-            height: 5e-3,
-        };
-        assert_eq!(films.range(), [0.0, 10.0]);
-        let hill = films.hill(&films.surfaces[0], &[10.0, 4.0]);
-        assert_eq!(hill, [[5e-3, 0.0, 0.0], [0.0, 2e-3, 0.0]]);
-        assert_eq!(Films::default().range(), [0.0; 2]);
-    }
-
-    #[test]
-    fn moments_and_pressures_must_fit() {
-        let of = |change: fn(&mut FilmSurface)| {
-            let mut film = film();
-            change(&mut film);
-            film.check(9)
-        };
-        assert_eq!(of(|_| ()), Ok(()));
-        assert!(of(|film| film.moments[2] = 9).is_err());
-        assert!(of(|film| film.moments.swap(0, 1)).is_err());
-        assert!(of(|film| film.moments.truncate(2)).is_err());
-        assert!(of(|film| film.pressures[1].truncate(1)).is_err());
-        assert!(of(|film| film.pressures[0][0] = f64::NAN).is_err());
-        assert!(of(|film| film.outward.truncate(1)).is_err());
-    }
-}

@@ -6,12 +6,12 @@
 mod collapse;
 mod film;
 mod gltf;
-mod image;
-mod packed;
-mod poster;
-mod quaternion;
-mod solid;
-mod viewer;
+pub(crate) mod image;
+pub(crate) mod packed;
+pub(crate) mod poster;
+pub(crate) mod quaternion;
+pub(crate) mod solid;
+pub(crate) mod viewer;
 mod vtk;
 
 pub use collapse::collapsed;

@@ -27,7 +27,7 @@ const LINES: [u8; 3] = [110, 110, 110];
 
 /// Colours of a field from its low to its high end, those of the page's viewer: cividis (Nuñez, Anderton and
 /// Renslow 2018).
-const LEVELS: [[f64; 3]; 5] = [
+pub const LEVELS: [[f64; 3]; 5] = [
     [0.0, 34.0, 78.0],
     [65.0, 77.0, 107.0],
     [124.0, 123.0, 120.0],
@@ -37,9 +37,12 @@ const LEVELS: [[f64; 3]; 5] = [
 
 /// The values of a field's colours, in its unit.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Range {
+pub struct Range {
+    /// Name of the field.
     pub name: String,
+    /// Unit of the values.
     pub unit: String,
+    /// The value at which the colours begin.
     pub low: f64,
     /// The value at which the colours end.
     pub high: f64,
@@ -50,7 +53,7 @@ pub(super) struct Range {
 
 impl Range {
     /// From 0 to 1.
-    fn share(&self, value: f64) -> f64 {
+    pub fn share(&self, value: f64) -> f64 {
         let width = self.high - self.low;
         if width > 0.0 {
             ((value - self.low) / width).clamp(0.0, 1.0)
@@ -61,7 +64,7 @@ impl Range {
 }
 
 /// The colour of a share of the range; a share that is no number has the lowest.
-fn level(share: f64) -> [f64; 3] {
+pub fn level(share: f64) -> [f64; 3] {
     let last = LEVELS.len() - 1;
     let place = share.clamp(0.0, 1.0) * last as f64;
     let below = (place as usize).min(last - 1);
@@ -259,28 +262,5 @@ impl Frame {
             y: HEIGHT as f64 / 2.0 + self.scale * (y - self.middle[1]),
             near,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_run_from_blue_to_yellow() {
-        assert_eq!(level(0.0), LEVELS[0]);
-        assert_eq!(level(1.0), LEVELS[4]);
-        assert_eq!(level(0.5), LEVELS[2]);
-        assert_eq!(level(f64::NAN), LEVELS[0]);
-        let range = |high| Range {
-            name: String::new(),
-            unit: String::new(),
-            low: 1.0,
-            high,
-            largest: 9.0,
-        };
-        assert_eq!(range(3.0).share(2.0), 0.5);
-        assert_eq!(range(3.0).share(9.0), 1.0);
-        assert_eq!(range(1.0).share(9.0), 0.0);
     }
 }

@@ -2,7 +2,7 @@
 //! which this crate does not use.
 
 /// A quaternion scaled to unit length; one of length zero becomes the identity.
-pub(super) fn normalised(q: [f64; 4]) -> [f64; 4] {
+pub fn normalised(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() {
         q.map(|c| c / length)
@@ -12,7 +12,7 @@ pub(super) fn normalised(q: [f64; 4]) -> [f64; 4] {
 }
 
 /// A·v = v + 2w·(u × v) + 2u × (u × v), q = (w, u) of unit length.
-pub(super) fn rotated(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+pub fn rotated(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     let [w, x, y, z] = q;
     let u = [x, y, z];
     let first = cross(u, v);
@@ -20,7 +20,8 @@ pub(super) fn rotated(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| v[i] + 2.0 * (w * first[i] + second[i]))
 }
 
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// The cross product a × b.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -28,11 +29,13 @@ pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// The scalar product a·b.
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+/// The difference a − b.
+pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
@@ -48,24 +51,7 @@ pub(super) fn direction(v: [f64; 3]) -> [f64; 3] {
 
 /// The one of q and −q, which are the same rotation, that is nearer to `before`, so that interpolation takes
 /// the short way.
-pub(super) fn nearer(before: [f64; 4], q: [f64; 4]) -> [f64; 4] {
+pub fn nearer(before: [f64; 4], q: [f64; 4]) -> [f64; 4] {
     let product: f64 = before.iter().zip(&q).map(|(a, b)| a * b).sum();
     if product < 0.0 { q.map(|c| -c) } else { q }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_quarter_turn_about_z() {
-        let half = std::f64::consts::FRAC_PI_8 * 2.0;
-        let q = [libm::cos(half), 0.0, 0.0, libm::sin(half)];
-        let turned = rotated(q, [1.0, 2.0, 3.0]);
-        for (found, expected) in turned.iter().zip([-2.0, 1.0, 3.0]) {
-            assert!((found - expected).abs() < 1e-15);
-        }
-        assert_eq!(normalised([0.0; 4]), [1.0, 0.0, 0.0, 0.0]);
-        assert_eq!(nearer(q, q.map(|c| -c)), q);
-    }
 }

@@ -4,17 +4,19 @@ use super::quaternion::{cross, direction, minus};
 use super::{Part, Surface};
 
 /// Sides of a cylinder. A choice: it looks round.
-const SIDES: u32 = 24;
+pub const SIDES: u32 = 24;
 
 /// All visible triangles and lines of a rigid body.
 #[derive(Debug, Default)]
-pub(super) struct Solid {
+pub struct Solid {
+    /// All triangles.
     pub surface: Surface,
     /// Ends of the pieces of lines.
     pub segments: Vec<[f64; 3]>,
 }
 
 impl Solid {
+    /// The triangles and lines of parts.
     pub fn of(parts: &[Part]) -> Solid {
         let mut solid = Solid::default();
         for part in parts {
@@ -96,50 +98,5 @@ impl Solid {
             ]);
         }
         self.push(&nodes, &triangles);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::quaternion::dot;
-    use super::*;
-
-    /// Volume by the divergence theorem: right only for closed surfaces that face outwards.
-    fn volume(surface: &Surface) -> f64 {
-        surface
-            .triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|n| surface.nodes[n as usize]);
-                dot(a, cross(b, c)) / 6.0
-            })
-            .sum()
-    }
-
-    #[test]
-    fn boxes_and_cylinders_are_closed_and_face_outwards() {
-        let cuboid = Solid::of(&[Part::Box {
-            center: [5.0, -1.0, 2.0],
-            size: [1.0, 2.0, 3.0],
-        }]);
-        assert!((volume(&cuboid.surface) - 6.0).abs() < 1e-12);
-        for to in [[0.0, 0.0, 2.0], [2.0, 0.0, 0.0], [0.0, -2.0, 0.0]] {
-            let bar = Solid::of(&[Part::Cylinder {
-                from: [0.0; 3],
-                to,
-                radius: 1.0,
-            }]);
-            let sides = f64::from(SIDES);
-            let expected = sides * libm::sin(std::f64::consts::TAU / sides);
-            assert!((volume(&bar.surface) - expected).abs() < 1e-12, "{to:?}");
-        }
-    }
-
-    #[test]
-    fn lines_are_pieces() {
-        let line = Solid::of(&[Part::Line {
-            points: vec![[0.0; 3], [1.0; 3], [2.0; 3]],
-        }]);
-        assert_eq!(line.segments.len(), 4);
     }
 }

@@ -7,12 +7,7 @@ const MANY: usize = 4000;
 /// Runs of points, each of which is drawn as one line. A point that is not finite ends a run. If there are
 /// more than 4,000 points, the first, lowest, highest and last point replace all points in one of `columns`
 /// equal parts of the range of x. So no peak is lost.
-pub(crate) fn runs(
-    x: &[f64],
-    y: &[f64],
-    range: (f64, f64),
-    columns: usize,
-) -> Vec<Vec<(f64, f64)>> {
+pub fn runs(x: &[f64], y: &[f64], range: (f64, f64), columns: usize) -> Vec<Vec<(f64, f64)>> {
     let reduce = x.len().min(y.len()) > MANY;
     let width = (range.1 - range.0) / columns.max(1) as f64;
     let mut runs = Vec::new();
@@ -66,7 +61,7 @@ fn flush(bucket: &mut Vec<(f64, f64)>, run: &mut Vec<(f64, f64)>) {
 
 /// Indices of the points that remain if points closer than `distance` to the last kept point are left out.
 /// Both ends remain.
-pub(crate) fn thinned(points: &[(f64, f64)], distance: f64) -> Vec<usize> {
+pub fn thinned(points: &[(f64, f64)], distance: f64) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     let mut last: Option<(f64, f64)> = None;
     for (index, point) in points.iter().enumerate() {
@@ -80,44 +75,4 @@ pub(crate) fn thinned(points: &[(f64, f64)], distance: f64) -> Vec<usize> {
         }
     }
     kept
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn keeps_every_peak() {
-        let n = 100_000;
-        let x: Vec<f64> = (0..n).map(f64::from).collect();
-        let mut y: Vec<f64> = x.iter().map(|x| libm::sin(x * 1e-4)).collect();
-        y[31_234] = 5.0;
-        y[77_777] = -7.0;
-        let runs = runs(&x, &y, (0.0, f64::from(n)), 1000);
-        assert_eq!(runs.len(), 1);
-        assert!(runs[0].len() <= 4000, "{}", runs[0].len());
-        assert!(runs[0].contains(&(31_234.0, 5.0)) && runs[0].contains(&(77_777.0, -7.0)));
-        assert!(runs[0].windows(2).all(|w| w[0].0 < w[1].0));
-        assert_eq!(
-            (runs[0][0].0, runs[0][runs[0].len() - 1].0),
-            (0.0, 99_999.0)
-        );
-    }
-
-    #[test]
-    fn gaps_stay_gaps() {
-        let x = [0.0, 1.0, 2.0, 3.0, 4.0];
-        let y = [0.0, 1.0, f64::NAN, 3.0, 4.0];
-        assert_eq!(
-            runs(&x, &y, (0.0, 4.0), 10),
-            vec![vec![(0.0, 0.0), (1.0, 1.0)], vec![(3.0, 3.0), (4.0, 4.0)]]
-        );
-    }
-
-    #[test]
-    fn thinning_keeps_the_ends() {
-        let points: Vec<(f64, f64)> = (0..=100).map(|i| (f64::from(i) * 0.1, 0.0)).collect();
-        let kept = thinned(&points, 1.0);
-        assert!(kept.len() <= 12 && kept[0] == 0 && kept.last() == Some(&100));
-    }
 }

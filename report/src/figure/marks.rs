@@ -11,7 +11,7 @@ const SMALL: f64 = 13.0;
 const SLACK: f64 = 1e-6;
 
 /// Multiples of 90° in the last cycle: angle within the cycle (°) and place, linear between samples.
-pub(super) fn marks(cell: &Cell<'_>, period: f64) -> Vec<(i64, f64, f64)> {
+pub(crate) fn marks(cell: &Cell<'_>, period: f64) -> Vec<(i64, f64, f64)> {
     let mut found: Vec<(i64, f64, f64)> = Vec::new();
     let samples = cell.angle.len().min(cell.x.len()).min(cell.y.len());
     let start = cell.last_cycle;

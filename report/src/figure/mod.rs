@@ -11,23 +11,23 @@
 
 mod abscissa;
 mod axes;
-mod bode;
-mod decimate;
-mod film;
-mod font;
+pub(crate) mod bode;
+pub(crate) mod decimate;
+pub(crate) mod film;
+pub(crate) mod font;
 mod history;
 mod key;
 mod legend;
 mod levels;
-mod marks;
+pub(crate) mod marks;
 mod orbit;
 pub(crate) mod palette;
-mod plane;
+pub(crate) mod plane;
 mod polar;
 mod spectra;
 pub(crate) mod svg;
-mod sweep;
-mod ticks;
+pub(crate) mod sweep;
+pub(crate) mod ticks;
 mod tornado;
 mod xy;
 

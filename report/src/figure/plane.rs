@@ -60,15 +60,15 @@ pub(super) struct Cell<'a> {
 }
 
 /// The map from the cell's axes to pixels.
-struct View {
-    center: (f64, f64),
+pub(crate) struct View {
+    pub center: (f64, f64),
     /// Pixels per unit.
-    scale: f64,
-    upright: Upright,
+    pub scale: f64,
+    pub upright: Upright,
 }
 
 impl View {
-    fn point(&self, x: f64, y: f64) -> (f64, f64) {
+    pub fn point(&self, x: f64, y: f64) -> (f64, f64) {
         let (right, up) = match self.upright {
             Upright::Y => (x, y),
             Upright::X => (-y, x),
@@ -308,21 +308,4 @@ fn draw_path(
         }
     }
     finish(&mut points, &mut angles);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn up_is_the_stated_axis() {
-        let view = |upright| View {
-            center: (0.0, 0.0),
-            scale: 1.0,
-            upright,
-        };
-        assert_eq!(view(Upright::X).point(1.0, 0.0), (0.0, -1.0));
-        assert_eq!(view(Upright::X).point(0.0, 1.0), (-1.0, 0.0));
-        assert_eq!(view(Upright::Y).point(1.0, 0.0), (1.0, 0.0));
-    }
 }

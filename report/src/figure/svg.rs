@@ -434,51 +434,12 @@ fn within(value: f64) -> f64 {
 }
 
 /// Two decimals at most, no `-0`.
-pub(crate) fn coordinate(value: f64) -> String {
+pub fn coordinate(value: f64) -> String {
     let text = format!("{:.2}", within(value));
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
         "0".to_owned()
     } else {
         text.to_owned()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coordinates_are_short() {
-        let cases = [
-            (100.0, "100"),
-            (0.1 + 0.2, "0.3"),
-            (-0.001, "0"),
-            (-2.346, "-2.35"),
-            (f64::NEG_INFINITY, "-10000000"),
-            (f64::NAN, "0"),
-        ];
-        for (value, text) in cases {
-            assert_eq!(coordinate(value), text);
-        }
-    }
-
-    #[test]
-    fn curves_of_a_page_are_steps() {
-        let target = Target {
-            theme: Theme::Page,
-            id: "a",
-        };
-        let mut svg = Svg::new(10.0, 10.0, "", target);
-        let tag = CurveTag {
-            name: "A",
-            angles: vec![0.0, 0.5, 719.5],
-            ..CurveTag::default()
-        };
-        let points = [(1.0, 2.0), (1.744, 1.0), (0.004, f64::NAN)];
-        svg.curve(&points, Stroke::solid(Color::Ink, 1.0), &tag);
-        let text = svg.finish();
-        assert!(text.contains(" d=\"m100 200 74-100-174-100\""), "{text}");
-        assert!(text.contains(" data-angles=\"0 50 71900\""), "{text}");
     }
 }

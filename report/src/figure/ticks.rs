@@ -2,7 +2,7 @@
 
 /// Marks of an axis.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Ticks {
+pub struct Ticks {
     /// Ends of the axis.
     pub range: (f64, f64),
     /// Marks with a number.
@@ -23,7 +23,7 @@ pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Marks at 1, 2, 2.5 or 5 times a power of ten, about `count` of them; the axis ends at marks.
-pub(crate) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
+pub fn rounded(low: f64, high: f64, count: usize) -> Ticks {
     let (low, high) = widened(low, high);
     let step = nice_step((high - low) / count.max(1) as f64);
     // an end at a mark, up to rounding, needs no further step
@@ -38,7 +38,7 @@ pub(crate) fn rounded(low: f64, high: f64, count: usize) -> Ticks {
 }
 
 /// Marks at round numbers inside an axis that ends where the data end.
-pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
+pub fn inside(low: f64, high: f64, count: usize) -> Ticks {
     let (low, high) = widened(low, high);
     let step = nice_step((high - low) / count.max(1) as f64);
     within(low, high, step)
@@ -46,7 +46,7 @@ pub(crate) fn inside(low: f64, high: f64, count: usize) -> Ticks {
 
 /// Marks of an axis of equal ratios from `low` to `high`, both above zero: at 1, 2 and 5 times the powers of ten, at the
 /// powers alone beyond five decades, and at equal steps up to a ratio of 5.
-pub(crate) fn ratios(low: f64, high: f64) -> Vec<f64> {
+pub fn ratios(low: f64, high: f64) -> Vec<f64> {
     // a choice: marks at 1, 2 and 5 would be too few
     if high / low < 5.0 {
         return inside(low, high, 8).values;
@@ -70,7 +70,7 @@ pub(crate) fn ratios(low: f64, high: f64) -> Vec<f64> {
 }
 
 /// A number with the digits that it needs. A power of ten from 10⁵ on is written as such.
-pub(crate) fn shortest(value: f64) -> String {
+pub fn shortest(value: f64) -> String {
     let power = libm::log10(value).round();
     if power >= 5.0 && (value / libm::pow(10.0, power) - 1.0).abs() < 1e-9 {
         power_of_ten(power as i32)
@@ -81,7 +81,7 @@ pub(crate) fn shortest(value: f64) -> String {
 
 /// Marks of a crank angle (°), at steps that divide a revolution, or at whole revolutions. There are at most `count` of them.
 /// Two cycles of a four-stroke engine are an exception: they have a mark every 90°, as one cycle has.
-pub(crate) fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
+pub fn crank_angle(low: f64, high: f64, count: usize) -> Ticks {
     const STEPS: [f64; 11] = [
         1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0,
     ];
@@ -148,7 +148,7 @@ fn nice_step(raw: f64) -> f64 {
 }
 
 /// The power of ten, a multiple of three, by which the numbers of an axis are divided; 0 if they are short.
-pub(crate) fn exponent(range: (f64, f64)) -> i32 {
+pub fn exponent(range: (f64, f64)) -> i32 {
     let size = range.0.abs().max(range.1.abs());
     if size == 0.0 || !size.is_finite() || (0.01..100_000.0).contains(&size) {
         return 0;
@@ -157,7 +157,7 @@ pub(crate) fn exponent(range: (f64, f64)) -> i32 {
 }
 
 /// A mark's number with as many decimals as the step needs and a true minus sign.
-pub(crate) fn number(value: f64, step: f64) -> String {
+pub fn number(value: f64, step: f64) -> String {
     let decimals = (0..=9)
         .find(|decimals| {
             let scaled = step * libm::pow(10.0, f64::from(*decimals));
@@ -193,7 +193,7 @@ pub(crate) fn significant(value: f64) -> String {
 }
 
 /// `10³`.
-pub(crate) fn power_of_ten(exponent: i32) -> String {
+pub fn power_of_ten(exponent: i32) -> String {
     let digits: String = exponent
         .to_string()
         .chars()
@@ -212,77 +212,4 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
         })
         .collect();
     format!("10{digits}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn ends_at_marks() {
-        let ticks = rounded(-7.3, 12.1, 6);
-        assert_eq!(ticks.range, (-10.0, 15.0));
-        assert_eq!(ticks.values, vec![-10.0, -5.0, 0.0, 5.0, 10.0, 15.0]);
-    }
-
-    #[test]
-    fn crank_angles_by_quarters_and_halves() {
-        let ticks = crank_angle(0.0, 720.0, 13);
-        assert_eq!(
-            ticks.values,
-            (0..=8).map(|i| f64::from(i) * 90.0).collect::<Vec<_>>()
-        );
-        assert_eq!(crank_angle(0.0, 1440.0, 13).step, 90.0);
-        assert_eq!(crank_angle(0.0, 2160.0, 13).step, 180.0);
-        // samples that end a step early
-        assert_eq!(crank_angle(0.0, 719.5, 13).range, (0.0, 720.0));
-        assert_eq!(inside(0.0, 3985.0, 10).range, (0.0, 4000.0));
-        assert_eq!(inside(0.0, 3900.0, 10).range, (0.0, 3900.0));
-        assert_eq!(crank_angle(0.0, 72_000.0, 13).step % 720.0, 0.0);
-    }
-
-    #[test]
-    fn ratios_have_marks_at_one_two_and_five() {
-        assert_eq!(
-            ratios(10.0, 2000.0),
-            [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0]
-        );
-        assert_eq!(ratios(0.15, 1.0), [0.2, 0.5, 1.0]);
-        assert_eq!(ratios(1e-2, 1e6).len(), 9);
-        assert_eq!(ratios(90.0, 110.0).first(), Some(&90.0));
-        assert_eq!(shortest(1e6), "10⁶");
-        assert_eq!(shortest(0.2), "0.2");
-    }
-
-    #[test]
-    fn numbers_read_well() {
-        assert_eq!(number(-2.5, 2.5), "−2.5");
-        assert_eq!(number(-0.0, 0.25), "0.00");
-        assert_eq!(number(1e3, 500.0), "1000");
-        assert_eq!(exponent((-2.0e6, 1.0)), 6);
-        assert_eq!(exponent((0.0, 3.0e-5)), -6);
-        assert_eq!(exponent((0.0, 0.5)), 0);
-        assert_eq!(power_of_ten(-6), "10⁻⁶");
-    }
-
-    proptest! {
-        #[test]
-        fn few_marks_that_cover_the_data(a in -1e12f64..1e12, width in 0.0f64..1e12, count in 2usize..12) {
-            let ticks = rounded(a, a + width, count);
-            prop_assert!(ticks.values.len() >= 2 && ticks.values.len() <= 2 * count + 4);
-            prop_assert!(ticks.range.0 <= a + 1e-6 * ticks.step && ticks.range.1 >= a + width - 1e-6 * ticks.step);
-            let angle = crank_angle(a, a + width, count);
-            prop_assert!(angle.values.len() <= count.max(2) + 1 || angle.step == 90.0 && angle.values.len() <= 17);
-        }
-
-        #[test]
-        fn never_panics(a in proptest::num::f64::ANY, b in proptest::num::f64::ANY) {
-            for ticks in [rounded(a, b, 6), inside(a, b, 6), crank_angle(a, b, 6)] {
-                for value in &ticks.values {
-                    prop_assert!(!number(*value, ticks.step).is_empty());
-                }
-            }
-        }
-    }
 }

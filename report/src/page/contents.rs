@@ -155,28 +155,3 @@ impl Provenance {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_audit_that_balances() {
-        let audit = EnergyAudit {
-            work: vec![("gas".to_owned(), 100.0), ("drive".to_owned(), 5.0)],
-            losses: vec![("films".to_owned(), 60.0)],
-            stored: 44.0,
-        };
-        assert_eq!(audit.residual(), 1.0);
-        assert_eq!(audit.relative_residual(), 0.01);
-        let table = audit.table("Energy");
-        assert_eq!(table.rows.len(), 6);
-        assert_eq!(
-            table.rows[2][2],
-            Cell::Fixed {
-                value: -60.0,
-                decimals: 3
-            }
-        );
-    }
-}

@@ -204,7 +204,7 @@ impl Cell {
 
 /// A number with a stated number of significant digits and a true minus sign: plain from 10⁻³ to 10⁶,
 /// otherwise with a power of ten.
-fn significant(value: f64, digits: usize) -> String {
+pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
     }
@@ -227,7 +227,7 @@ fn significant(value: f64, digits: usize) -> String {
 }
 
 /// Without the zeros at the end of the decimals.
-fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     let (number, power) = match text.split_once('·') {
         Some((number, power)) => (number, format!("·{power}")),
         None => (text, String::new()),
@@ -243,49 +243,5 @@ fn minus(text: &str) -> String {
     match text.strip_prefix('-') {
         Some(rest) => format!("−{rest}"),
         None => text.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_read_well() {
-        for (value, digits, text) in [
-            (0.0, 4, "0"),
-            (1234.5678, 4, "1235"),
-            (9.9996, 4, "10.00"),
-            (-0.0012345, 3, "−0.00123"),
-            (2.1e11, 3, "2.10·10<sup>11</sup>"),
-            (-3.2e-7, 2, "−3.2·10<sup>−7</sup>"),
-            (f64::NAN, 4, "–"),
-        ] {
-            assert_eq!(significant(value, digits), text);
-        }
-        for (text, short) in [
-            ("4000.00", "4000"),
-            ("0.112000", "0.112"),
-            ("100000", "100000"),
-            ("−1.50000·10<sup>20</sup>", "−1.5·10<sup>20</sup>"),
-            ("–", "–"),
-        ] {
-            assert_eq!(shortened(text), short);
-        }
-    }
-
-    #[test]
-    fn cells_are_escaped_and_rows_are_filled() {
-        let table = Table {
-            caption: "a<b".to_owned(),
-            columns: vec![Column::new("x"), Column::with_unit("y", "N")],
-            rows: vec![vec![Cell::Code("<i>".to_owned())]],
-        };
-        let text = table.to_html();
-        assert!(text.contains("<caption>a&lt;b</caption>"));
-        assert!(
-            text.contains("<code>&lt;i&gt;</code>") && text.contains("<td class=\"number\">–</td>")
-        );
-        assert!(text.contains("y <span class=\"unit\">(N)</span>"));
     }
 }

@@ -3,7 +3,7 @@
 //! May contain: arithmetic on plain slices. Must not contain: files, pictures, units (the numbers keep
 //! theirs).
 
-mod continuation;
+pub(crate) mod continuation;
 mod difference;
 mod extreme;
 mod filter;

@@ -1,7 +1,7 @@
 //! The page in a headless Chromium: drawn, zoomed, read out, moved.
 
-use crate::demo;
-use crate::tools::{beside, find, find_or, folder, run, skip};
+use super::demo;
+use super::tools::{beside, find, find_or, folder, run, skip};
 use serde_json::Value;
 use std::process::Command;
 

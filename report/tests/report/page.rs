@@ -1,7 +1,7 @@
 //! The page's text, without a browser.
 
-use crate::demo;
-use crate::tools::folder;
+use super::demo;
+use super::tools::folder;
 
 #[test]
 fn a_whole_page_stands_alone() {

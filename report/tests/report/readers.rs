@@ -1,7 +1,7 @@
 //! The files in the readers of others: glTF in the Khronos validator, VTK in meshio and in VTK itself.
 
-use crate::demo;
-use crate::tools::{beside, find, find_or, folder, run, skip};
+use super::demo;
+use super::tools::{beside, find, find_or, folder, run, skip};
 use eng_report::animation::{AnimationError, VtkEncoding, VtkFrame, VtkPart, pvd, vtu};
 use serde_json::Value;
 use std::process::Command;

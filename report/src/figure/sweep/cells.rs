@@ -10,10 +10,10 @@ use crate::signal::SweepMap;
 
 /// Cells of a speed at most: more are merged, the largest amplitude stays. A choice: a cell is then about two
 /// pixels high.
-const ROWS: usize = 320;
+pub const ROWS: usize = 320;
 
 /// Amplitudes merged to few enough cells.
-pub(super) struct Cells {
+pub(crate) struct Cells {
     /// A column a speed, each from the lowest position up.
     pub values: Vec<Vec<f64>>,
     /// Lower end and height of a cell (Hz, or orders).
@@ -84,7 +84,7 @@ impl Cells {
 }
 
 /// Halfway between speeds, and as far beyond the ends.
-pub(super) fn edges(speeds: &[f64]) -> Vec<f64> {
+pub fn edges(speeds: &[f64]) -> Vec<f64> {
     match speeds {
         [] => Vec::new(),
         [only] => vec![only - 50.0, only + 50.0],
@@ -138,31 +138,5 @@ pub(super) fn draw_cells(
     }
     for (level, path) in paths.iter().enumerate() {
         svg.cells(path, Color::Level(level));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::figure;
-    use super::*;
-
-    #[test]
-    fn edges_lie_halfway_between_speeds() {
-        assert_eq!(
-            edges(&[1000.0, 1500.0, 2500.0]),
-            [750.0, 1250.0, 2000.0, 3000.0]
-        );
-        assert_eq!(edges(&[1000.0]).len(), 2);
-        assert!(edges(&[]).is_empty());
-    }
-
-    #[test]
-    fn merged_cells_keep_the_peaks() {
-        let figure = figure();
-        let cells = Cells::new(&figure.map, 1999.0);
-        assert!(cells.values.iter().all(|column| column.len() <= ROWS));
-        for column in &cells.values {
-            assert_eq!(column.iter().copied().fold(0.0, f64::max), 7.0);
-        }
     }
 }
