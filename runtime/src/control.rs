@@ -161,23 +161,3 @@ impl FixedGrid {
         true
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn halves_come_back_to_the_grid() {
-        let mut grid = FixedGrid::new(1.0);
-        grid.advance();
-        assert_eq!(grid.next(0.5), (0.5, 2.0));
-        assert!(grid.halve() && grid.halve());
-        assert_eq!(grid.next(0.5), (0.125, 1.625));
-        grid.advance();
-        assert_eq!(grid.next(0.5), (0.125, 1.75));
-        grid.advance();
-        assert_eq!(grid.next(0.5), (0.25, 2.0));
-        grid.advance();
-        assert_eq!(grid.next(0.5), (0.5, 2.5));
-    }
-}

@@ -31,13 +31,13 @@ impl From<f64> for Point {
 
 /// An input between two points of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Segment {
+pub(crate) struct Segment {
     /// Time of the left point (s).
-    from: f64,
-    left: Point,
+    pub from: f64,
+    pub left: Point,
     /// Time of the right point (s), if its value is given.
-    to: f64,
-    right: Option<Point>,
+    pub to: f64,
+    pub right: Option<Point>,
 }
 
 impl Segment {
@@ -51,7 +51,7 @@ impl Segment {
     }
 
     /// Value and rate at a time (s) of the segment. Outside it is the nearer end.
-    fn at(&self, interpolation: Interpolation, time: f64) -> Point {
+    pub fn at(&self, interpolation: Interpolation, time: f64) -> Point {
         let Some(right) = self.right.filter(|_| self.to.is_finite()) else {
             return self.left;
         };
@@ -477,33 +477,5 @@ impl Signals {
             };
         }
         self.time = None;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Interpolation, Point, Segment};
-
-    /// t³ − 2t over 1…3 s is its own Hermite cubic.
-    #[test]
-    fn a_cubic_follows_a_cubic() {
-        let cubic = |t: f64| Point {
-            value: t * t * t - 2.0 * t,
-            rate: 3.0 * t * t - 2.0,
-        };
-        let segment = Segment {
-            from: 1.0,
-            left: cubic(1.0),
-            to: 3.0,
-            right: Some(cubic(3.0)),
-        };
-        for t in [1.0, 1.25, 2.0, 2.9, 3.0] {
-            let found = segment.at(Interpolation::Cubic, t);
-            assert!((found.value - cubic(t).value).abs() < 1e-13, "{t}");
-            assert!((found.rate - cubic(t).rate).abs() < 1e-13, "{t}");
-        }
-        let line = segment.at(Interpolation::Linear, 2.0);
-        assert_eq!(line.value, 0.5 * (cubic(1.0).value + cubic(3.0).value));
-        assert_eq!(segment.at(Interpolation::Hold, 2.0), cubic(1.0));
     }
 }

@@ -39,10 +39,10 @@
 //! ([`RESOLVED`]), because the series holds for none of these. The global error is of second order and
 //! follows the tolerance to the power 2/3.
 
-mod dense;
+pub(crate) mod dense;
 mod nearest;
 mod newton;
-mod radau;
+pub(crate) mod radau;
 mod saved;
 mod variation;
 mod vibration;

@@ -27,9 +27,9 @@
 //! the times since them. So no step passes two of them unseen.
 
 mod clocks;
-mod crossing;
+pub(crate) mod crossing;
 mod location;
-mod neighbours;
+pub(crate) mod neighbours;
 mod overlooked;
 mod points;
 mod slopes;

@@ -17,7 +17,7 @@ pub mod leap;
 pub mod motion;
 pub mod repetition;
 pub mod whirl;
-mod wide;
+pub(crate) mod wide;
 
 use crate::body::BodyModel;
 use crate::decay::{CycleReport, Decay, Mode};
@@ -354,7 +354,7 @@ struct Left {
 
 /// Progress towards a number of cycles that is predicted again after each cycle.
 #[derive(Clone, Copy, Debug, Default)]
-struct Progress {
+pub struct Progress {
     /// Cycles so far.
     run: f64,
     /// Finished part, 0…1.
@@ -364,7 +364,7 @@ struct Progress {
 impl Progress {
     /// The finished part after `run` cycles of `expected` ones. It grows with every step, even if the
     /// prediction rises: a constant part would look like a run without an end, which the watch would stop.
-    fn advance(&mut self, run: f64, expected: f64) -> f64 {
+    pub fn advance(&mut self, run: f64, expected: f64) -> f64 {
         let rest = expected - self.run;
         if rest > 0.0 {
             self.fraction += (1.0 - self.fraction) * ((run - self.run) / rest).clamp(0.0, 1.0);
@@ -377,7 +377,7 @@ impl Progress {
 /// The cycles that a run may take, of which `done` are finished and `more` are predicted. An output in the noise of the steps
 /// misses each prediction, and a run that is finished by the prediction would look like one without an end. So it counts as one
 /// that takes one cycle more, and then a quarter of all. The quarter is a choice.
-fn foreseen(done: u32, more: f64, limit: u32) -> f64 {
+pub fn foreseen(done: u32, more: f64, limit: u32) -> f64 {
     let done = f64::from(done);
     (done + 1.0 + more.max(0.25 * (done + 1.0))).min(f64::from(limit))
 }
@@ -748,36 +748,5 @@ impl Cycles<'_> {
                 return;
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Progress, foreseen};
-
-    #[test]
-    fn progress_grows_while_every_cycle_is_predicted_to_be_the_last() {
-        let mut progress = Progress::default();
-        let mut last = 0.0;
-        for tenth in 1..9990 {
-            let expected = foreseen((tenth - 1) / 10, 0.0, 1000);
-            let now = progress.advance(0.1 * f64::from(tenth), expected);
-            assert!(now > last && now < 1.0, "{tenth}: {last} {now}");
-            last = now;
-        }
-    }
-
-    #[test]
-    fn progress_grows_where_more_cycles_are_foreseen() {
-        let mut progress = Progress::default();
-        // three cycles are foreseen at first, then thirty
-        let mut last = 0.0;
-        for tenth in 1..=300 {
-            let run = 0.1 * f64::from(tenth);
-            let now = progress.advance(run, if run < 2.5 { 3.0 } else { 30.0 });
-            assert!(now > last, "{run}");
-            last = now;
-        }
-        assert!((last - 1.0).abs() < 1e-12, "{last}");
     }
 }

@@ -9,7 +9,7 @@ mod leaping;
 mod reading;
 mod resting;
 mod runaway;
-mod sampling;
+pub(crate) mod sampling;
 mod saving;
 mod step_limit;
 mod stepping;

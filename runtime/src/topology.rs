@@ -183,7 +183,7 @@ impl Rank {
 }
 
 /// [`dependencies`] of the rows. Of many rows only those are analysed that are not clearly independent of the others.
-fn dependent_rows(matrix: &Gradients) -> Vec<(usize, Vec<(usize, f64)>)> {
+pub fn dependent_rows(matrix: &Gradients) -> Vec<(usize, Vec<(usize, f64)>)> {
     let factor = (matrix.nrows() > FEW).then(|| Independent::of(matrix));
     let Some(Some(factor)) = factor else {
         return dependencies(&matrix.dense());
@@ -203,7 +203,7 @@ fn dependent_rows(matrix: &Gradients) -> Vec<(usize, Vec<(usize, f64)>)> {
 
 /// Expresses dependent rows by independent ones, by elimination with complete pivoting. Among equals early
 /// rows come first.
-fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
+pub fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
     let (rows, columns) = matrix.shape();
     let mut unit = matrix.clone();
     for i in 0..rows {
@@ -269,75 +269,4 @@ fn dependencies(matrix: &DMatrix<f64>) -> Vec<(usize, Vec<(usize, f64)>)> {
             (row, shares)
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_the_rows_that_repeat() {
-        let m = DMatrix::from_row_slice(
-            4,
-            5,
-            &[
-                1.0, 0.0, 0.0, 0.0, 1.0, //
-                0.0, 2.0, 0.0, 1.0, 0.0, //
-                0.0, 0.0, 3.0, 0.0, 0.0, //
-                1.0, 2.0, 0.0, 1.0, 1.0,
-            ],
-        );
-        let found = dependencies(&m);
-        assert_eq!(found.len(), 1);
-        let mut names: Vec<usize> = found[0].1.iter().map(|(r, _)| *r).collect();
-        names.push(found[0].0);
-        names.sort_unstable();
-        assert_eq!(names, [0, 1, 3]);
-        assert!(dependencies(&DMatrix::identity(3, 4)).is_empty());
-    }
-
-    /// A chain of bodies, each held at its neighbour by five rows. One is a sum of others, another holds
-    /// nothing: the rows named are those of the whole matrix.
-    #[test]
-    fn of_many_rows_the_same_ones_repeat() {
-        let mut numbers = Numbers::new(11);
-        let bodies = 41;
-        let mut m = DMatrix::zeros(5 * bodies, 6 * bodies);
-        for i in 0..5 * bodies {
-            let own = 6 * (i / 5);
-            for j in own.saturating_sub(6)..own + 6 {
-                m[(i, j)] = numbers.draw();
-            }
-        }
-        assert!(m.nrows() > FEW);
-        assert!(dependent_rows(&Gradients::of(&m)).is_empty());
-        let sum = m.row(63) - m.row(66) * 0.5;
-        m.set_row(64, &sum);
-        m.row_mut(201).fill(0.0);
-        let found = dependent_rows(&Gradients::of(&m));
-        let whole = dependencies(&m);
-        assert_eq!(found.len(), 2);
-        assert_eq!(whole.len(), 2);
-        for rows in [found, whole] {
-            let mut concerned = Vec::new();
-            for (row, shares) in &rows {
-                concerned.push(*row);
-                concerned.extend(shares.iter().map(|(r, _)| *r));
-                let mut rest = m.row(*row) / m.row(*row).norm().max(f64::MIN_POSITIVE);
-                for (r, share) in shares {
-                    rest -= m.row(*r) * (*share / m.row(*r).norm());
-                }
-                assert!(rest.norm() < 1e-12);
-            }
-            concerned.sort_unstable();
-            assert_eq!(concerned, [63, 64, 66, 201]);
-        }
-    }
-
-    #[test]
-    fn rows_that_hold_nothing_repeat_nothing() {
-        let found = dependencies(&DMatrix::zeros(2, 6));
-        assert_eq!(found, [(0, Vec::new()), (1, Vec::new())]);
-        assert!(dependencies(&DMatrix::zeros(0, 6)).is_empty());
-    }
 }

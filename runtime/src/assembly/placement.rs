@@ -557,19 +557,3 @@ fn offsets(length: f64) -> [V3; 7] {
         along(0.0, -1.0, 0.0),
     ]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cube_has_24_rotations() {
-        let cubes = cube_rotations();
-        assert_eq!(cubes.len(), 24);
-        assert_eq!(cubes[0], M3::identity());
-        for (i, a) in cubes.iter().enumerate() {
-            assert!((a.determinant() - 1.0).abs() < 1e-15);
-            assert!(cubes[..i].iter().all(|b| b != a));
-        }
-    }
-}

@@ -117,31 +117,8 @@ impl Integrator {
 
 /// The second rate of a rotation vector θ with the rate w (rad/s) whose body has the angular acceleration a (rad/s², body axes):
 /// `T(θ) ẅ = a − Ṫ w`.
-fn second_rate(theta: &V3, w: &V3, a: &V3) -> V3 {
+pub fn second_rate(theta: &V3, w: &V3, a: &V3) -> V3 {
     // `tangent_along` has the tangent of the other trivialisation, T(−θ)
     let turning = tangent_along(&-theta, w) * w;
     inverse_tangent(theta) * (a + turning)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_second_rate_is_that_of_a_difference() {
-        // θ(t) with constant second rate: the angular velocity is T(θ) θ̇
-        let (theta, w, second) = (
-            V3::new(0.3, -0.2, 0.5),
-            V3::new(1.0, 2.0, -0.7),
-            V3::new(0.4, 0.1, 0.9),
-        );
-        let speed = |t: f64| {
-            let at = theta + w * t + second * (0.5 * t * t);
-            tangent(&at) * (w + second * t)
-        };
-        let e = 1e-4;
-        let a = (speed(e) - speed(-e)) / (2.0 * e);
-        let found = second_rate(&theta, &w, &a);
-        assert!((found - second).norm() < 1e-7, "{found:?}");
-    }
 }

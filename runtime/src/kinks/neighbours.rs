@@ -14,7 +14,7 @@ const PARALLEL: f64 = 1e-6;
 
 /// The kinks beside each kink.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Neighbours {
+pub struct Neighbours {
     /// The other functions of the same element and dimension, for lengths and angles that the text states no limit for.
     beside: Vec<Vec<usize>>,
     /// Distance of each kink from the nearest of them, if it does not change; otherwise infinite.
@@ -55,32 +55,5 @@ impl Neighbours {
     /// The constant distance of a kink from the nearest one beside it; infinite without one.
     pub fn apart(&self, item: usize) -> f64 {
         self.apart[item]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Neighbours;
-
-    /// Both faces of a sheet of 1 µm, a function at another rate, and one of another element.
-    #[test]
-    fn faces_of_a_sheet_are_beside_each_other() {
-        let mut neighbours = Neighbours::new(&[Some(1), Some(1), Some(1), Some(2), None]);
-        let now = [
-            [1.0, -2.0],
-            [-1.000001, 2.0],
-            [1.5, 3.0],
-            [1.1, -2.0],
-            [1.2, -2.0],
-        ];
-        neighbours.measure(&now, |_| 1e-6);
-        assert!((neighbours.apart(0) - 1e-6).abs() < 1e-12);
-        assert_eq!(neighbours.apart(0), neighbours.apart(1));
-        for alone in 2..5 {
-            assert_eq!(neighbours.apart(alone), f64::INFINITY);
-        }
-        // nearer than a ten-thousandth of the tolerance both are one
-        neighbours.measure(&now, |_| 0.1);
-        assert_eq!(neighbours.apart(0), f64::INFINITY);
     }
 }

@@ -34,17 +34,17 @@
 
 mod axes;
 mod constancy;
-mod eigen;
+pub(crate) mod eigen;
 mod energies;
 mod equations;
-mod floquet;
+pub(crate) mod floquet;
 mod outputs;
 mod over_time;
-mod response;
+pub(crate) mod response;
 mod run;
 mod sides;
 mod slow;
-mod state_space;
+pub(crate) mod state_space;
 mod variation;
 
 pub use energies::{Part, Shares, parts_of, stores};

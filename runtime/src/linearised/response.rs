@@ -169,7 +169,7 @@ impl StateSpace {
 }
 
 /// The matrices with A in Hessenberg form.
-struct Transfer {
+pub(crate) struct Transfer {
     hessenberg: DMatrix<f64>,
     b: DVector<f64>,
     c: DMatrix<f64>,
@@ -178,7 +178,7 @@ struct Transfer {
 
 impl Transfer {
     /// The form of matrices with one of their inputs.
-    fn new(matrices: &StateSpace, input: usize) -> Transfer {
+    pub fn new(matrices: &StateSpace, input: usize) -> Transfer {
         let mut a = matrices.a.clone();
         let mut b = matrices.b.column(input).into_owned();
         let mut c = matrices.c.clone();
@@ -205,7 +205,7 @@ impl Transfer {
     }
 
     /// H at an angular frequency (rad/s).
-    fn at(&self, omega: f64) -> Option<Vec<Complex<f64>>> {
+    pub fn at(&self, omega: f64) -> Option<Vec<Complex<f64>>> {
         let outputs = self.outputs(&self.motion(omega)?);
         let finite = |h: &Complex<f64>| h.re.is_finite() && h.im.is_finite();
         outputs.iter().all(finite).then_some(outputs)
@@ -257,67 +257,5 @@ impl Transfer {
         }
         let finite = |x: &Complex<f64>| x.re.is_finite() && x.im.is_finite();
         x.iter().all(finite).then_some(x)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::error::Moment;
-    use crate::linearised::Coefficients;
-
-    /// Random numbers of a fixed sequence, −1…1.
-    fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
-        move || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
-
-    #[test]
-    fn the_hessenberg_form_gives_the_response_of_the_full_matrix() {
-        for n in [1, 2, 7, 30] {
-            let mut next = numbers(n as u64);
-            let mut matrix = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| next());
-            let matrices = StateSpace {
-                moment: Moment {
-                    time: 0.0,
-                    cycle_angle: None,
-                },
-                coefficients: Coefficients::Constant,
-                freedoms: 0,
-                states: n,
-                // coordinates of very different size
-                a: {
-                    let plain = matrix(n, n);
-                    DMatrix::from_fn(n, n, |i, j| {
-                        plain[(i, j)] * libm::pow(10.0, (i as f64 - j as f64) / 3.0)
-                    })
-                },
-                b: matrix(n, 1),
-                c: matrix(3, n),
-                d: matrix(3, 1),
-            };
-            let transfer = Transfer::new(&matrices, 0);
-            for omega in [0.01, 0.7, 40.0] {
-                let mut full = matrices.a.map(|x| Complex::new(-x, 0.0));
-                for k in 0..n {
-                    full[(k, k)].im += omega;
-                }
-                let complex = |m: &DMatrix<f64>| m.map(|x| Complex::new(x, 0.0));
-                let moved = full.lu().solve(&complex(&matrices.b)).unwrap();
-                let due = complex(&matrices.c) * moved + complex(&matrices.d);
-                let found = transfer.at(omega).unwrap();
-                let size = due.norm();
-                for (found, due) in found.iter().zip(due.iter()) {
-                    assert!(
-                        (found - due).norm() < 1e-11 * size,
-                        "{n} {omega}: {found} {due}"
-                    );
-                }
-            }
-        }
     }
 }

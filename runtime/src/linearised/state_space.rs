@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Powers of ten of the steps for an input whose value is zero, from large to small (SI). A choice: from a
 /// nanometre to kilonewtons; the best step is chosen.
-const POWERS: std::ops::RangeInclusive<i32> = -9..=3;
+pub const POWERS: std::ops::RangeInclusive<i32> = -9..=3;
 /// Share of the slope by which the slopes to both sides may differ at every step; a larger share is a kink. A
 /// choice.
 const BENT: f64 = 1e-3;
@@ -230,13 +230,15 @@ fn by_input(
 }
 
 /// Differences of all numbers over one step h of an input.
-struct Differences {
-    h: f64,
-    slopes: DVector<f64>,
+pub struct Differences {
+    /// h, in the unit of the input.
+    pub h: f64,
+    /// Slopes by central differences.
+    pub slopes: DVector<f64>,
     /// Differences of the slopes to both sides.
-    sides: DVector<f64>,
+    pub sides: DVector<f64>,
     /// Sizes of the numbers.
-    size: DVector<f64>,
+    pub size: DVector<f64>,
 }
 
 /// The rounding of each number, as the scatter of `f(h) + f(−h) − 2 f(0)` over the smallest steps shows it. An
@@ -257,7 +259,7 @@ fn noise(steps: &[Differences], count: usize) -> Vec<f64> {
 }
 
 /// The slopes of all numbers from their differences over steps, the largest step first.
-fn slopes(steps: &[Differences], count: usize) -> Vec<Slope> {
+pub fn slopes(steps: &[Differences], count: usize) -> Vec<Slope> {
     let noise = noise(steps, count);
     let mut found = vec![Slope::default(); count];
     for pair in steps.windows(2) {
@@ -276,11 +278,12 @@ fn slopes(steps: &[Differences], count: usize) -> Vec<Slope> {
 
 /// The slope of one number, from the step with the least error.
 #[derive(Clone, Copy, Debug)]
-struct Slope {
-    value: f64,
+pub struct Slope {
+    /// The slope.
+    pub value: f64,
     error: f64,
     /// Whether the slopes to both sides differ, however small the step is.
-    bent: bool,
+    pub bent: bool,
 }
 
 impl Default for Slope {
@@ -308,54 +311,5 @@ impl Slope {
             // by chance alone, rounding may look straight
             self.bent = false;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Differences of a function over all steps.
-    fn steps(f: impl Fn(f64) -> f64) -> Vec<Differences> {
-        let vector = |x: f64| DVector::from_element(1, x);
-        let step = |power: i32| {
-            let h = libm::pow(10.0, f64::from(power));
-            let [plus, minus, far, near] = [h, -h, 2.0 * h, -2.0 * h].map(&f);
-            Differences {
-                h,
-                slopes: vector(((plus - minus) * 8.0 - (far - near)) / (12.0 * h)),
-                sides: vector((plus + minus - f(0.0) * 2.0) / h),
-                size: vector(plus.abs()),
-            }
-        };
-        POWERS.rev().map(step).collect()
-    }
-
-    /// The least number of a scatter of one millionth, without a pattern.
-    fn scatter(x: f64) -> f64 {
-        let bits = x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        1e-6 * ((bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
-    }
-
-    /// Accelerations as small differences of large loads scatter far above one rounding of their own size. A linear
-    /// effect stays linear, whatever the scatter is; a kink is found above it and without it.
-    #[test]
-    fn scatter_is_no_kink() {
-        for seed in 0..400 {
-            let noise = |x: f64| scatter(x + f64::from(seed));
-            let found = slopes(&steps(|x| 3.0 * x + noise(x)), 1)[0];
-            assert!(!found.bent, "{seed}");
-            assert!((found.value - 3.0).abs() < 1e-6, "{seed}: {}", found.value);
-            let still = slopes(&steps(noise), 1)[0];
-            assert!(
-                !still.bent && still.value.abs() < 1e-6,
-                "{seed}: {}",
-                still.value
-            );
-            let bent = slopes(&steps(|x| x.max(0.0) + noise(x)), 1)[0];
-            assert!(bent.bent, "{seed}");
-        }
-        assert!(slopes(&steps(|x| x.max(0.0)), 1)[0].bent);
-        assert!(!slopes(&steps(|x| x * x * 1e-3 + x), 1)[0].bent);
     }
 }

@@ -111,7 +111,20 @@ impl Motion {
             tolerance: model.tolerance * share,
             length: model.length,
             share: STATE_TOLERANCE * share,
-            states: model.state_scales.clone(),
+            ..Motion::of_states(&model.state_scales)
+        }
+    }
+
+    /// A comparison of states alone, whose least sizes are given.
+    pub fn of_states(scales: &[f64]) -> Motion {
+        Motion {
+            places: Vec::new(),
+            units: scales.to_vec(),
+            velocities: 0,
+            tolerance: 1.0,
+            length: 1.0,
+            share: STATE_TOLERANCE,
+            states: scales.to_vec(),
             cycles: VecDeque::new(),
             before: Vec::new(),
             differences: VecDeque::new(),
@@ -223,80 +236,5 @@ impl Motion {
             beyond = beyond.max(far / (self.share * size));
         }
         beyond
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A model of states alone.
-    fn of_states(scales: &[f64]) -> Motion {
-        Motion {
-            places: Vec::new(),
-            units: scales.to_vec(),
-            velocities: 0,
-            tolerance: 1e-8,
-            length: 1.0,
-            share: STATE_TOLERANCE,
-            states: scales.to_vec(),
-            cycles: VecDeque::new(),
-            before: Vec::new(),
-            differences: VecDeque::new(),
-        }
-    }
-
-    /// The comparison of the last of some cycles of one state, each of 24 samples.
-    fn cycles_of(motion: &mut Motion, cycles: usize, state: impl Fn(usize, usize) -> f64) -> Moved {
-        let mut moved = Moved::default();
-        for cycle in 0..cycles {
-            let samples: Vec<f64> = (0..24).map(|sample| state(cycle, sample)).collect();
-            moved = motion.next(&[], &samples);
-        }
-        moved
-    }
-
-    #[test]
-    fn a_state_counts_by_its_largest_value() {
-        let peak = |cycle, sample| {
-            let wave = libm::sin(0.25 * f64::from(sample as u32));
-            100.0 * wave + 1e-3 * (cycle % 2) as f64
-        };
-        let moved = cycles_of(&mut of_states(&[1.0]), 2, peak);
-        // 1e-3 of an error of 1e-4 times about 100
-        assert!((moved.beyond - 0.1).abs() < 1e-3, "{moved:?}");
-    }
-
-    #[test]
-    fn an_impact_at_another_moment_counts_by_its_share_of_the_cycle() {
-        // the speed of a plate beside its stop differs by four tolerances at some of 24 samples
-        let moved = |differing: usize| {
-            let speed = move |cycle: usize, sample: usize| {
-                let later = cycle % 2 == 1 && sample < differing;
-                1.0 + if later { 4e-4 } else { 0.0 }
-            };
-            cycles_of(&mut of_states(&[1.0]), 2, speed).beyond
-        };
-        for (differing, due) in [(1, 4.0 / libm::sqrt(24.0)), (6, 2.0), (24, 4.0)] {
-            let found = moved(differing);
-            assert!((found - due).abs() < 1e-2, "{differing}: {found} {due}");
-        }
-    }
-
-    #[test]
-    fn a_slow_drift_below_noise_at_one_sample_does_not_repeat() {
-        let noise = [0.5, -0.3, 0.2, -0.6, 0.4, -0.1, 0.3, -0.5, 0.1, -0.4];
-        let with = |drift: f64| {
-            let state = move |cycle: usize, sample: usize| {
-                let peak = if sample == 11 { noise[cycle] } else { 0.0 };
-                1e-4 * (0.7 * peak + drift * cycle as f64)
-            };
-            cycles_of(&mut of_states(&[1.0]), 10, state)
-        };
-        // by the noise the cycles differ at one sample, so its factor says nothing
-        assert!(with(0.0).repeats(0.3), "{:?}", with(0.0));
-        let drifts = with(0.14);
-        assert!(drifts.beyond <= 1.0, "{drifts:?}");
-        assert!(!drifts.repeats(0.3), "{drifts:?}");
     }
 }

@@ -84,7 +84,7 @@ fn films_settle(simulation: &Simulation) -> bool {
 /// Estimated distance to the limit after the first two cycles behind the one in which films settled: the smaller of two. Either
 /// the change decays within the cycle, by a factor that it shows. Or it is noise of the steps, and a decay may hide below it. Then
 /// all later differences of the motion sum up to a share of the clearance. `moved` is the last one as such a share.
-pub(super) fn distance_of_two(change: f64, factor: f64, moved: f64) -> f64 {
+pub fn distance_of_two(change: f64, factor: f64, moved: f64) -> f64 {
     let reach = |factor: f64| factor / (1.0 - factor);
     let decays = if factor < 1.0 {
         change * reach(factor.max(LEAST_FACTOR))
@@ -178,21 +178,5 @@ impl Cycles<'_> {
             leapt,
             ..self.with_samples(self.samples)
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::distance_of_two;
-
-    #[test]
-    fn two_cycles_show_a_decay_or_a_motion_that_repeats() {
-        // a film that settles within the cycle is no measure of a slower motion
-        assert_eq!(distance_of_two(8e-3, 1e-3, 1.0), 8e-3);
-        // a mount that decays by 0.9 a cycle is far from its limit
-        assert!((distance_of_two(8e-3, 0.9, 1.0) - 7.2e-2).abs() < 1e-12);
-        // differences that do not decay: the noise of steps, or a drift
-        assert_eq!(distance_of_two(3e-3, 4.0, 1e-4), 3e-3);
-        assert!((distance_of_two(3e-3, 4.0, 2e-3) - 1.8e-2).abs() < 1e-12);
     }
 }

@@ -311,7 +311,7 @@ impl Simulation {
 
 /// The time between `from` and `to` (s) at which a cubic has a value, by Newton's iteration within a bracket.
 /// The cubic has a value and a rate (1/s) at each end. For a value beyond both ends it is the nearer end.
-fn crossing(from: f64, to: f64, ends: [[f64; 2]; 2], value: f64) -> f64 {
+pub fn crossing(from: f64, to: f64, ends: [[f64; 2]; 2], value: f64) -> f64 {
     let h = to - from;
     let [[a, da], [b, db]] = ends;
     let (first, last) = (a - value, b - value);
@@ -353,25 +353,4 @@ fn crossing(from: f64, to: f64, ends: [[f64; 2]; 2], value: f64) -> f64 {
         s = next;
     }
     from + s * h
-}
-
-#[cfg(test)]
-mod tests {
-    use super::crossing;
-
-    /// t³ − t over 1…3 s: the time of each value, by its own cubic.
-    #[test]
-    fn crossing_of_a_cubic() {
-        let cubic = |t: f64| [t * t * t - t, 3.0 * t * t - 1.0];
-        let ends = [cubic(1.0), cubic(3.0)];
-        for t in [1.0, 1.0001, 1.5, 2.0, 2.9, 3.0] {
-            let found = crossing(1.0, 3.0, ends, cubic(t)[0]);
-            assert!((found - t).abs() < 1e-14, "{found} for {t}");
-        }
-        assert_eq!(crossing(1.0, 3.0, ends, -7.0), 1.0);
-        assert_eq!(crossing(1.0, 3.0, ends, 99.0), 3.0);
-        // a cycle that turns backwards
-        let back = ends.map(|end| end.map(|x| -x));
-        assert!((crossing(1.0, 3.0, back, -cubic(2.5)[0]) - 2.5).abs() < 1e-14);
-    }
 }

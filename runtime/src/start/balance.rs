@@ -20,7 +20,7 @@
 mod describing;
 mod holding;
 mod stability;
-mod turning;
+pub(crate) mod turning;
 
 use super::eccentricity::{end_ratios, film_ratios, half_widths, yielding};
 use super::motion::SteadyMotion;

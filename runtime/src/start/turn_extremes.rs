@@ -84,7 +84,7 @@ impl Following {
 /// Where a quantity is largest, and its value there: the vertex of the parabola through the largest value and
 /// its neighbours. The last position is the first of the next turn. Angles in rad, values in their own unit;
 /// both results are NaN for values that are no numbers.
-fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
+pub fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let alike = ALIKE * (most - least);
@@ -121,33 +121,4 @@ fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
         return (angles[at], values[at]);
     }
     (angles[at] + s, values[at] + p * s + q * s * s)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn extremes_of_a_cosine_lie_between_the_positions() {
-        let angles: Vec<f64> = (0..=36)
-            .map(|k| f64::from(k) * 10f64.to_radians())
-            .collect();
-        for shift in [0.0, 0.03, 0.08, 1.0, 3.1, 6.2] {
-            let values: Vec<f64> = angles.iter().map(|x| libm::cos(x - shift)).collect();
-            let (at, most) = largest(&angles, &values);
-            let off = libm::remainder(at - shift, std::f64::consts::TAU);
-            // the parabola through -h, 0, h misses s²(h² − s²)/6 at s, up to h⁴/32 for s = h/2; and h³/16 in the angle
-            let step = 10f64.to_radians();
-            let missed = step.powi(4) / 32.0;
-            assert!(
-                off.abs() < 4e-4 && (most - 1.0).abs() < missed,
-                "{at} {most}"
-            );
-        }
-        // of two equal ones the first counts; a quantity that grows has its end
-        let twice: Vec<f64> = angles.iter().map(|x| libm::cos(2.0 * x)).collect();
-        assert!(largest(&angles, &twice).0.abs() < 1e-3);
-        assert_eq!(largest(&angles, &angles), (angles[36], angles[36]));
-        assert_eq!(largest(&angles, &[1.0; 37]), (0.0, 1.0));
-    }
 }

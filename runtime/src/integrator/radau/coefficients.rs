@@ -4,7 +4,7 @@
 /// √6.
 const ROOT: f64 = 2.449_489_742_783_178;
 /// A.
-pub(super) const A: [[f64; 3]; 3] = [
+pub const A: [[f64; 3]; 3] = [
     [
         (88.0 - 7.0 * ROOT) / 360.0,
         (296.0 - 169.0 * ROOT) / 1800.0,
@@ -18,7 +18,7 @@ pub(super) const A: [[f64; 3]; 3] = [
     [(16.0 - ROOT) / 36.0, (16.0 + ROOT) / 36.0, 1.0 / 9.0],
 ];
 /// A⁻¹.
-pub(super) const INVERSE: [[f64; 3]; 3] = [
+pub const INVERSE: [[f64; 3]; 3] = [
     [
         2.0 + ROOT / 2.0,
         -1.2 + 29.0 * ROOT / 30.0,
@@ -32,12 +32,13 @@ pub(super) const INVERSE: [[f64; 3]; 3] = [
     [-1.0 + 8.0 * ROOT / 3.0, -1.0 - 8.0 * ROOT / 3.0, 5.0],
 ];
 /// c: the places of the stages in the step.
-pub(super) const NODES: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
-/// The real eigenvalue μ of A⁻¹, and the complex one.
-pub(super) const REAL: f64 = 3.637_834_252_744_496;
-pub(super) const COMPLEX: [f64; 2] = [2.681_082_873_627_752, 3.050_430_199_247_410_6];
-/// The basis B of the eigenvectors, and its inverse: `B⁻¹ A⁻¹ B = [μ; α, −β; β, α]` with the complex eigenvalue α + βi.
-pub(super) const BASIS: [[f64; 3]; 3] = [
+pub const NODES: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
+/// The real eigenvalue μ of A⁻¹.
+pub const REAL: f64 = 3.637_834_252_744_496;
+/// The complex eigenvalue, α and β.
+pub const COMPLEX: [f64; 2] = [2.681_082_873_627_752, 3.050_430_199_247_410_6];
+/// The basis B of the eigenvectors: `B⁻¹ A⁻¹ B = [μ; α, −β; β, α]` with the complex eigenvalue α + βi.
+pub const BASIS: [[f64; 3]; 3] = [
     [
         0.094_438_762_488_975_24,
         -0.141_255_295_020_954_2,
@@ -50,7 +51,8 @@ pub(super) const BASIS: [[f64; 3]; 3] = [
     ],
     [1.0, 1.0, 0.0],
 ];
-pub(super) const BASIS_INVERSE: [[f64; 3]; 3] = [
+/// B⁻¹.
+pub const BASIS_INVERSE: [[f64; 3]; 3] = [
     [
         4.178_718_591_551_905,
         0.327_682_820_761_062_4,
@@ -87,32 +89,4 @@ pub(super) fn extrapolation(x: f64) -> [f64; 3] {
 /// Sum of weights times values.
 pub(super) fn weighted(weights: &[f64; 3], values: [f64; 3]) -> f64 {
     weights.iter().zip(values).map(|(w, x)| w * x).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_basis_divides_the_stages() {
-        let product = |a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]| -> [[f64; 3]; 3] {
-            std::array::from_fn(|i| {
-                std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum())
-            })
-        };
-        let near = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| {
-            for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
-                assert!((a - b).abs() < 1e-13, "{a} and not {b}");
-            }
-        };
-        let one = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        near(product(&A, &INVERSE), one);
-        near(product(&BASIS, &BASIS_INVERSE), one);
-        let [a, b] = COMPLEX;
-        let divided = [[REAL, 0.0, 0.0], [0.0, a, -b], [0.0, b, a]];
-        near(product(&BASIS_INVERSE, &product(&INVERSE, &BASIS)), divided);
-        for (row, node) in A.iter().zip(NODES) {
-            assert!((row.iter().sum::<f64>() - node).abs() < 1e-15);
-        }
-    }
 }

@@ -18,7 +18,7 @@
 //! This module has a trial step, and what later steps need of it. `stages` solves for the stages, `error` estimates the
 //! error of the step, and `work` sums up its work.
 
-mod coefficients;
+pub(crate) mod coefficients;
 mod error;
 mod stages;
 mod work;

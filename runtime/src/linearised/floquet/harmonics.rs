@@ -115,13 +115,13 @@ pub(super) struct Sight {
 }
 
 /// e^z by `libm`.
-pub(super) fn exponential(z: Complex<f64>) -> Complex<f64> {
+pub fn exponential(z: Complex<f64>) -> Complex<f64> {
     Complex::new(libm::cos(z.im), libm::sin(z.im)) * libm::exp(z.re)
 }
 
 /// `c_k = Σ_j u_j e^{−2πi jk/n}` in place, n a power of two (J. W. Cooley, J. W. Tukey, Math. Comput. 19
 /// (1965) 297).
-fn transform(values: &mut [Complex<f64>]) {
+pub fn transform(values: &mut [Complex<f64>]) {
     let n = values.len();
     if n < 2 {
         return;
@@ -244,33 +244,5 @@ pub(super) fn harmonics(
             .map(|(k, e)| (frequency(*k), e / whole))
             .collect(),
         whirl,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A motion of one harmonic has only its own place different from zero.
-    #[test]
-    fn one_harmonic_is_found() {
-        let n = 64_i32;
-        for k in [-31_i32, -5, 0, 7, 31] {
-            let mut values: Vec<Complex<f64>> = (0..n)
-                .map(|j| exponential(Complex::new(0.0, TAU * f64::from(k * j) / f64::from(n))))
-                .collect();
-            transform(&mut values);
-            for (place, c) in values.iter().enumerate() {
-                let due = if place as i32 == k.rem_euclid(n) {
-                    64.0
-                } else {
-                    0.0
-                };
-                assert!(
-                    (c - Complex::new(due, 0.0)).norm() < 1e-12,
-                    "{k} {place} {c}"
-                );
-            }
-        }
     }
 }

@@ -20,7 +20,7 @@ const ROUNDS: usize = 60;
 const SETTLED: f64 = 1e-15;
 
 /// Stages c, the matrix a, and a².
-pub(super) struct Tableau {
+pub struct Tableau {
     /// Positions of the stages in the step; the last is 1.
     pub places: [f64; 3],
     once: [[f64; 3]; 3],
@@ -28,7 +28,7 @@ pub(super) struct Tableau {
 }
 
 /// Radau IIA of three stages.
-pub(super) fn radau() -> Tableau {
+pub fn radau() -> Tableau {
     let root = libm::sqrt(6.0);
     let once = [
         [
@@ -54,12 +54,18 @@ pub(super) fn radau() -> Tableau {
 }
 
 /// `ẍ + C ẋ + K x = S z`, `ż = R x + T ẋ + U z` at a stage, in the coordinates of the integration.
-pub(super) struct Stage {
+pub struct Stage {
+    /// K.
     pub stiffness: DMatrix<f64>,
+    /// C.
     pub damping: DMatrix<f64>,
+    /// S.
     pub by_states: DMatrix<f64>,
+    /// R.
     pub rates_by_place: DMatrix<f64>,
+    /// T.
     pub rates_by_velocity: DMatrix<f64>,
+    /// U.
     pub rates_by_states: DMatrix<f64>,
 }
 
@@ -108,7 +114,7 @@ fn carried(
 /// One step h (s) of `ξ̇ = A ξ` for all columns of ξ = (x, ẋ, z); `None` without a solution.
 ///
 /// The unknowns are the slopes of ẋ and z at the stages. x follows by integrating twice.
-pub(super) fn step(
+pub fn step(
     tableau: &Tableau,
     stages: &[Stage; 3],
     start: &DMatrix<f64>,
@@ -226,79 +232,5 @@ impl March {
                 last.rows_mut(first, p).copy_from(&turned);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `ÿ + (a − 2q cos 2t) y = 0` over π in n steps.
-    fn mathieu(a: f64, q: f64, n: usize) -> DMatrix<f64> {
-        let tableau = radau();
-        let h = std::f64::consts::PI / n as f64;
-        let none = |rows, columns| DMatrix::<f64>::zeros(rows, columns);
-        let mut solution = DMatrix::identity(2, 2);
-        for k in 0..n {
-            let stages = tableau.places.map(|c| {
-                let t = (k as f64 + c) * h;
-                Stage {
-                    stiffness: DMatrix::from_element(1, 1, a - 2.0 * q * (2.0 * t).cos()),
-                    damping: none(1, 1),
-                    by_states: none(1, 0),
-                    rates_by_place: none(0, 1),
-                    rates_by_velocity: none(0, 1),
-                    rates_by_states: none(0, 0),
-                }
-            });
-            solution = step(&tableau, &stages, &solution, h).unwrap();
-        }
-        solution
-    }
-
-    /// Exponents of Mathieu's equation (DLMF 28.2.16 and 28.29; values of the design's independent
-    /// integration to 1e-12).
-    #[test]
-    fn mathieu_has_its_exponents() {
-        for (a, q, growth, frequency) in
-            [(1.0, 0.5, 0.243_145_76, 1.0), (2.0, 0.5, 0.0, 0.630_491_43)]
-        {
-            let mut errors = Vec::new();
-            for n in [50, 100] {
-                let solution = mathieu(a, q, n);
-                // the method's own damping, of order 5
-                let damped = (solution.determinant() - 1.0).abs();
-                assert!(damped < 3e-8 * (50.0 / n as f64).powi(5), "{n} {damped:e}");
-                // μ + 1/μ = trace
-                let half = 0.5 * solution.trace();
-                let found = if growth > 0.0 {
-                    assert!(half < -1.0);
-                    (half.abs().acosh() / std::f64::consts::PI - growth).abs()
-                } else {
-                    let turn = half.acos() / std::f64::consts::PI;
-                    (turn - frequency).abs().min((2.0 - turn - frequency).abs())
-                };
-                errors.push(found);
-            }
-            assert!(errors[0] < 3e-8 && errors[1] < 1e-8, "{errors:?}");
-        }
-    }
-
-    /// A mode of 10⁶ rad/s and a decay of 10⁶ 1/s die in steps of a millisecond.
-    #[test]
-    fn what_is_fast_dies() {
-        let tableau = radau();
-        let stages = [0, 1, 2].map(|_| Stage {
-            stiffness: DMatrix::from_element(1, 1, 1e12),
-            damping: DMatrix::from_element(1, 1, 1.0),
-            by_states: DMatrix::zeros(1, 1),
-            rates_by_place: DMatrix::zeros(1, 1),
-            rates_by_velocity: DMatrix::zeros(1, 1),
-            rates_by_states: DMatrix::from_element(1, 1, -1e6),
-        });
-        let end = step(&tableau, &stages, &DMatrix::identity(3, 3), 1e-3).unwrap();
-        let scaled = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![1e6, 1.0, 1.0]));
-        let scaled = &scaled * end * scaled.clone().try_inverse().unwrap();
-        assert!(scaled.amax() < 0.02, "{scaled}");
     }
 }

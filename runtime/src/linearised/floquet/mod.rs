@@ -20,9 +20,9 @@
 //!   counted and not listed. They count as neither stable nor unstable.
 //! - The other multipliers decide stability: `Re λ` does not depend on k.
 
-mod harmonics;
-mod march;
-mod multipliers;
+pub(crate) mod harmonics;
+pub(crate) mod march;
+pub(crate) mod multipliers;
 mod orbit;
 mod shooting;
 

@@ -27,7 +27,7 @@ const ONE: f64 = 1e-6;
 
 /// A multiplier.
 #[derive(Clone, Debug)]
-pub(super) struct Multiplier {
+pub struct Multiplier {
     /// `ln μ` over the period, with its imaginary part from 0 to π (π for a negative μ).
     pub logarithm: Complex<f64>,
     /// Whether μ is real.
@@ -36,16 +36,21 @@ pub(super) struct Multiplier {
     pub vectors: Vec<DVector<Complex<f64>>>,
 }
 
-/// Multipliers, with one for each conjugate pair; the number lost in rounding, and the limit of `ln |μ|` for
-/// such a loss.
-pub(super) struct Multipliers {
+/// The multipliers of a product.
+pub struct Multipliers {
+    /// One for each conjugate pair.
     pub found: Vec<Multiplier>,
+    /// The number lost in rounding.
     pub lost: usize,
+    /// The limit of `ln |μ|` for such a loss.
     pub floor: f64,
 }
 
 /// The multipliers of an odd number of segments in the order of time.
-pub(super) fn multipliers(segments: &[DMatrix<f64>]) -> Result<Multipliers, RuntimeError> {
+///
+/// # Errors
+/// If the eigenvalues of the cyclic matrix are not found.
+pub fn multipliers(segments: &[DMatrix<f64>]) -> Result<Multipliers, RuntimeError> {
     let m = segments.len();
     let size = segments.first().map_or(0, DMatrix::nrows);
     let mut cyclic = DMatrix::zeros(m * size, m * size);
@@ -116,69 +121,4 @@ fn blocks(vector: &DVector<Complex<f64>>, size: usize, count: usize) -> Vec<DVec
     (0..count)
         .map(|k| vector.rows(k * size, size).into_owned())
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Known multipliers over 60 decades, behind a mixing that the segments share.
-    #[test]
-    fn small_multipliers_are_found_beside_large_ones() {
-        let n = 7;
-        let mix = DMatrix::from_fn(n, n, |i, j| ((i * 7 + j * 5) % 11) as f64 - 5.0)
-            .qr()
-            .q();
-        let m = 7;
-        // per segment: a turn by 0.3, one that makes μ = −0.5, 2, 1e-20, 1e-60
-        let turn = 0.3_f64;
-        let root = |x: f64| x.powf(1.0 / m as f64);
-        let segments: Vec<DMatrix<f64>> = (0..m)
-            .map(|k| {
-                let mut d = DMatrix::zeros(n, n);
-                d[(0, 0)] = turn.cos();
-                d[(0, 1)] = -turn.sin();
-                d[(1, 0)] = turn.sin();
-                d[(1, 1)] = turn.cos();
-                d[(2, 2)] = root(0.5) * if k == 3 { -1.0 } else { 1.0 };
-                d[(3, 3)] = root(2.0);
-                d[(4, 4)] = root(1e-20);
-                d[(5, 5)] = 1e-9;
-                d[(6, 6)] = root(0.25);
-                &mix * d * mix.transpose()
-            })
-            .collect();
-        let all = multipliers(&segments).unwrap();
-        assert_eq!(all.lost, 1);
-        let mut due = vec![
-            (0.0, 7.0 * turn, false),
-            (0.5_f64.ln(), PI, true),
-            (2.0_f64.ln(), 0.0, true),
-            (1e-20_f64.ln(), 0.0, true),
-            (0.25_f64.ln(), 0.0, true),
-        ];
-        assert_eq!(all.found.len(), due.len());
-        for found in &all.found {
-            let place = due
-                .iter()
-                .position(|(re, im, real)| {
-                    *real == found.real && (found.logarithm - Complex::new(*re, *im)).norm() < 1e-7
-                })
-                .unwrap_or_else(|| panic!("{}", found.logarithm));
-            due.remove(place);
-            // each segment takes one vector to the next
-            let step = (found.logarithm / m as f64).exp();
-            for (k, segment) in segments.iter().enumerate() {
-                let (v, next) = (&found.vectors[k], &found.vectors[(k + 1) % m]);
-                let moved = segment.map(|x| Complex::new(x, 0.0)) * v;
-                let due = next * step;
-                assert!(
-                    (moved - due).norm() < 1e-7 * v.norm(),
-                    "{k} {}",
-                    found.logarithm
-                );
-            }
-        }
-        assert!(due.is_empty(), "{due:?}");
-    }
 }

@@ -24,8 +24,8 @@
 //! In films the motion is integrated instead ([repeating]).
 
 mod angles;
-mod derivative;
-mod krylov;
+pub(crate) mod derivative;
+pub(crate) mod krylov;
 mod mean_speeds;
 mod path;
 mod repeating;

@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 /// The sign of values after a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Repeats {
+pub enum Repeats {
     /// The same sign.
     Same,
     /// The opposite sign.
@@ -26,7 +26,7 @@ pub(super) enum Repeats {
 
 /// The derivative at the points of a period.
 #[derive(Clone, Debug)]
-pub(super) struct PeriodicDerivative {
+pub struct PeriodicDerivative {
     /// d(l) for l = 0…N−1 (1/s).
     same: Vec<f64>,
     opposite: Vec<f64>,
@@ -87,7 +87,7 @@ impl PeriodicDerivative {
 /// Values at twice as many points. Those in between come from the trigonometric polynomial through the
 /// points, with Nyquist's order as a cosine, `y(t_{j+½}) = Σ_k (−1)^l cot(π(l + ½)/N)/N y_k` with
 /// `l = j − k`.
-pub(super) fn refined<V: AsRef<[f64]>>(values: &[V]) -> Vec<Vec<f64>> {
+pub fn refined<V: AsRef<[f64]>>(values: &[V]) -> Vec<Vec<f64>> {
     let n = values.len();
     let weights: Vec<f64> = (0..n)
         .map(|l| {
@@ -109,61 +109,4 @@ pub(super) fn refined<V: AsRef<[f64]>>(values: &[V]) -> Vec<Vec<f64>> {
         fine.push(between);
     }
     fine
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn at(points: usize, period: f64, f: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-        (0..points)
-            .map(|j| vec![f(2.0 * PI * j as f64 / points as f64), period])
-            .collect()
-    }
-
-    /// Exact for all orders below N/2: sums of sines and cosines, whole and half-odd, against their rates.
-    #[test]
-    fn rates_of_sines_are_exact() {
-        let period = 0.3;
-        let frequency = 2.0 * PI / period;
-        for points in [4, 8, 16, 96] {
-            let derivative = PeriodicDerivative::new(points, period);
-            let orders = (0..points / 2).map(|m| m as f64);
-            for (half, repeats) in [(0.0, Repeats::Same), (0.5, Repeats::Opposite)] {
-                for order in orders.clone().map(|m| m + half) {
-                    if order > points as f64 / 2.0 - 1.0 + half {
-                        continue;
-                    }
-                    let values = at(points, period, |x| {
-                        libm::sin(order * x) + 0.3 * libm::cos(order * x)
-                    });
-                    let mut rates = vec![vec![0.0; 2]; points];
-                    derivative.rates(&values, repeats, &mut rates);
-                    for (j, rate) in rates.iter().enumerate() {
-                        let x = 2.0 * PI * j as f64 / points as f64;
-                        let due =
-                            order * frequency * (libm::cos(order * x) - 0.3 * libm::sin(order * x));
-                        assert!(
-                            (rate[0] - due).abs() < 1e-11 * frequency * points as f64,
-                            "{points} {order}: {} {due}",
-                            rate[0]
-                        );
-                        if repeats == Repeats::Same {
-                            assert!(rate[1].abs() < 1e-10, "{}", rate[1]);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn values_between_are_those_of_the_polynomial() {
-        let f = |x: f64| 0.7 + libm::sin(x) - 2.0 * libm::cos(3.0 * x);
-        let fine = refined(&at(8, 1.0, f));
-        assert_eq!(fine.len(), 16);
-        for (value, due) in fine.iter().zip(at(16, 1.0, f)) {
-            assert!((value[0] - due[0]).abs() < 1e-13, "{value:?} {due:?}");
-        }
-    }
 }

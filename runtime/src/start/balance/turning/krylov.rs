@@ -2,7 +2,7 @@
 
 /// A solution with its residual.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Solution {
+pub struct Solution {
     /// x.
     pub x: Vec<f64>,
     /// |b − A x| over |b|.
@@ -25,7 +25,10 @@ fn norm(a: &[f64]) -> f64 {
 /// `x = P⁻¹ y`. It ends when the residual is below `goal` of |b|, or after `most` products. (Y. Saad, M. H.
 /// Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856; two rounds of modified Gram–Schmidt make the basis, and
 /// Givens' rotations solve the least squares.)
-pub(super) fn gmres<E>(
+///
+/// # Errors
+/// The first error of a product or of the preconditioner.
+pub fn gmres<E>(
     mut multiply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     mut precondition: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     b: &[f64],
@@ -101,57 +104,4 @@ pub(super) fn gmres<E>(
         residual: right[count].abs() / size,
         products: count,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{DMatrix, DVector};
-
-    /// A matrix that no eigenvalue order makes easy, with a poor and with an exact preconditioner, against
-    /// LU.
-    #[test]
-    fn finds_the_solution_of_a_dense_system() {
-        let n = 12;
-        let matrix = DMatrix::from_fn(n, n, |i, j| {
-            libm::sin((i * 7 + j * 3) as f64) + if i == j { 3.0 + i as f64 } else { 0.0 }
-        });
-        let b = DVector::from_fn(n, |i, _| libm::cos(i as f64));
-        let due = matrix.clone().lu().solve(&b).unwrap();
-        let multiply = |x: &[f64]| -> Result<Vec<f64>, ()> {
-            Ok((&matrix * DVector::from_column_slice(x))
-                .as_slice()
-                .to_vec())
-        };
-        let by_diagonal = |x: &[f64]| -> Result<Vec<f64>, ()> {
-            Ok(x.iter()
-                .enumerate()
-                .map(|(i, x)| x / matrix[(i, i)])
-                .collect())
-        };
-        let found = gmres(multiply, by_diagonal, b.as_slice(), 1e-13, n).unwrap();
-        for (x, y) in found.x.iter().zip(due.iter()) {
-            assert!((x - y).abs() < 1e-12, "{x} {y}");
-        }
-        assert!(found.residual < 1e-13);
-        let exact = matrix.clone().lu();
-        let solved = |x: &[f64]| -> Result<Vec<f64>, ()> {
-            Ok(exact
-                .solve(&DVector::from_column_slice(x))
-                .ok_or(())?
-                .as_slice()
-                .to_vec())
-        };
-        let once = gmres(multiply, solved, b.as_slice(), 1e-12, 1).unwrap();
-        assert!(once.residual < 1e-12);
-        // a singular system whose right side is outside of its range has no solution, and the result
-        // reports this
-        let flat = |x: &[f64]| -> Result<Vec<f64>, ()> { Ok(vec![x[0], 0.0]) };
-        let same = |x: &[f64]| -> Result<Vec<f64>, ()> { Ok(x.to_vec()) };
-        let stuck = gmres(flat, same, &[1.0, 1.0], 1e-12, 10).unwrap();
-        assert!(
-            (stuck.residual - libm::sqrt(0.5)).abs() < 1e-12,
-            "{stuck:?}"
-        );
-    }
 }
