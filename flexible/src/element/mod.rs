@@ -258,6 +258,3 @@ impl ElementKind {
 fn no_points() -> Vec<Point> {
     Vec::new()
 }
-
-#[cfg(test)]
-mod tests;

@@ -23,7 +23,7 @@ pub mod mass;
 mod pattern;
 pub mod quality;
 pub mod reduction;
-mod residual;
+pub(crate) mod residual;
 pub mod rules;
 mod sheet;
 mod shell;

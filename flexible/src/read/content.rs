@@ -24,7 +24,7 @@ const ANSYS_WORDS: [&str; 4] = ["NBLOCK,", "EBLOCK,", "ETBLOCK,", "KEYOPT,"];
 
 /// The contents of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Content {
+pub enum Content {
     /// Cards of Nastran: a deck, or `DMIG`.
     NastranCards,
     /// Keywords of Abaqus or CalculiX.
@@ -98,7 +98,7 @@ impl Content {
     }
 
     /// Decides by the length of the first record, in either order of bytes.
-    fn of_binary(bytes: &[u8]) -> Option<Content> {
+    pub fn of_binary(bytes: &[u8]) -> Option<Content> {
         if bytes.starts_with(SIGNATURE) {
             return Some(Content::Hdf5);
         }
@@ -112,7 +112,8 @@ impl Content {
             })
     }
 
-    fn of_text(text: &str) -> Option<Content> {
+    /// Decides by the first lines.
+    pub fn of_text(text: &str) -> Option<Content> {
         let mut lines = text.lines().filter(|line| !line.trim().is_empty());
         lines.find_map(|line| {
             let trimmed = line.trim();
@@ -240,49 +241,4 @@ pub(crate) fn explained<F: Readable, T>(
         advice,
     }
     .into())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn contents_by_their_beginning() {
-        for (text, content) in [
-            ("$MeshFormat\n4.1 0 8\n", Content::GmshMesh),
-            ("!! by HyperMesh\n/PREP7\n", Content::AnsysArchive),
-            ("NBLOCK,6,SOLID\n(3i9,6e21.13e3)\n", Content::AnsysArchive),
-            ("\r\n** a mesh\r\n*Heading\r\n", Content::AbaqusDeck),
-            ("$ a deck\nSOL 103\n", Content::NastranCards),
-            ("grid,1,,0.,0.,0.\n", Content::NastranCards),
-            ("$TITLE   =\n$EIGENVECTOR\n", Content::PunchedShapes),
-            ("$TITLE   =\nDMIG    KGG  0\n", Content::NastranCards),
-            ("    1C\n    1UDATE\n", Content::Frd),
-            ("** k\n7,1, 8,1, -2.5e3\n", Content::MatrixByFreedoms),
-            ("1 2 2.5D+03\n", Content::MatrixByRows),
-            ("101, 0.5, 2, -1e-3\n", Content::Nodes),
-            ("node,x,y,z\n101,0.5,2,-1e-3\n", Content::Nodes),
-            ("27.1\n27.2\n", Content::Freedoms),
-            (
-                "       6      -6       6       2KGG     1P,3E23.16\n",
-                Content::Op4,
-            ),
-        ] {
-            assert_eq!(Content::of_text(text), Some(content), "{text}");
-        }
-        for text in ["", "$ nothing\n", "{\"a\": 1}", "12\n", "Some words, 1.5\n"] {
-            assert_eq!(Content::of_text(text), None, "{text}");
-        }
-        for (bytes, content) in [
-            ([4, 0, 0, 0], Content::Op2),
-            ([0, 0, 0, 8], Content::Op2),
-            ([24, 0, 0, 0], Content::Op4),
-            ([0, 0, 0, 48], Content::Op4),
-        ] {
-            assert_eq!(Content::of_binary(&bytes), Some(content));
-        }
-        assert_eq!(Content::of_binary(SIGNATURE), Some(Content::Hdf5));
-        assert_eq!(Content::of_binary(b"$Mesh"), None);
-        assert_eq!(Content::of_binary(b"$"), None);
-    }
 }

@@ -3,7 +3,7 @@
 
 /// A real: `1.5`, `.5`, `1.5E+3`, `1.5D+3`, `1.5+3`, `-1.-3`. An integer counts as a real, as in most
 /// readers. `None`: no number, or one that isn't finite.
-pub(super) fn real(text: &str) -> Option<f64> {
+pub fn real(text: &str) -> Option<f64> {
     let mut plain = String::with_capacity(text.len() + 1);
     let mut characters = text.chars().peekable();
     if let Some(sign) = characters.next_if(|c| matches!(c, '+' | '-')) {
@@ -46,7 +46,7 @@ pub(super) fn real(text: &str) -> Option<f64> {
 }
 
 /// An integer.
-pub(super) fn integer(text: &str) -> Option<i64> {
+pub fn integer(text: &str) -> Option<i64> {
     let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
         return None;
@@ -55,12 +55,12 @@ pub(super) fn integer(text: &str) -> Option<i64> {
 }
 
 /// Whether a field is meant as a real: a number with a decimal point.
-pub(super) fn is_real(text: &str) -> bool {
+pub fn is_real(text: &str) -> bool {
     text.contains('.') && real(text).is_some()
 }
 
 /// Freedoms `1`…`6` in any order as bits 0…5, blanks between them or not; `0` is no freedom.
-pub(super) fn components(text: &str) -> Option<u8> {
+pub fn components(text: &str) -> Option<u8> {
     if text.is_empty() {
         return None;
     }
@@ -72,46 +72,4 @@ pub(super) fn components(text: &str) -> Option<u8> {
         b'1'..=b'6' => Some(bits | 1 << (digit - b'1')),
         _ => None,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reals_in_all_their_forms() {
-        for (text, value) in [
-            ("1.5E+3", 1500.0),
-            ("1.5D+3", 1500.0),
-            ("1.5d3", 1500.0),
-            ("1.5+3", 1500.0),
-            ("1.5-3", 0.0015),
-            ("-1.-3", -0.001),
-            (".5", 0.5),
-            ("+7.", 7.0),
-            ("7", 7.0),
-            ("7+2", 700.0),
-            ("-.25E1", -2.5),
-        ] {
-            assert_eq!(real(text), Some(value), "{text}");
-        }
-        for text in [
-            "", ".", "-", "1. 5", "1.5E", "1.5+", "1..5", "nan", "inf", "1.E999", "0x1", "1.5F3",
-            "E5",
-        ] {
-            assert_eq!(real(text), None, "{text}");
-        }
-    }
-
-    #[test]
-    fn integers_and_components() {
-        assert_eq!(integer("-1"), Some(-1));
-        assert_eq!(integer("12."), None);
-        assert_eq!(integer("99999999999999999999"), None);
-        assert_eq!(components("135"), Some(0b01_0101));
-        assert_eq!(components("0"), Some(0));
-        assert_eq!(components("12 6"), Some(0b10_0011));
-        assert_eq!(components("127"), None);
-        assert!(is_real("1.") && !is_real("1") && !is_real("A."));
-    }
 }

@@ -213,7 +213,7 @@ pub(super) fn whole(
 
 /// Names under which an included file may be found, best first. Eng does not know the meaning of a logical
 /// prefix (`VAR:file`) and leaves it out.
-fn candidates(beside: &[&str], name: &str) -> Vec<String> {
+pub fn candidates(beside: &[&str], name: &str) -> Vec<String> {
     let plain = name.replace('\\', "/");
     let mut forms = vec![plain.clone()];
     if let Some((prefix, rest)) = plain.split_once(':')
@@ -246,7 +246,7 @@ fn candidates(beside: &[&str], name: &str) -> Vec<String> {
 }
 
 /// A path with `/` only, without `.` and without `folder/..`.
-fn normal(path: &str) -> String {
+pub fn normal(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {
@@ -265,23 +265,5 @@ fn normal(path: &str) -> String {
         ".".to_owned()
     } else {
         joined
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_of_included_files() {
-        assert_eq!(normal("./a/../b//c.bdf"), "b/c.bdf");
-        assert_eq!(normal("../a"), "../a");
-        assert_eq!(
-            candidates(&["sub/main.bdf", "m"], "x.bdf"),
-            ["sub/x.bdf", "x.bdf"]
-        );
-        assert_eq!(candidates(&["main.bdf"], "..\\x.bdf"), ["../x.bdf"]);
-        assert_eq!(candidates(&["m"], "DIR:x.bdf"), ["DIR:x.bdf", "x.bdf"]);
-        assert_eq!(candidates(&["a/m", "b/c/m"], "/x/./y"), ["/x/y"]);
     }
 }

@@ -11,11 +11,9 @@
 mod arrangement;
 mod error;
 mod extrude;
-mod outline;
+pub(crate) mod outline;
 mod piece;
 mod plane;
-#[cfg(test)]
-mod tests;
 
 pub use error::StackError;
 

@@ -15,7 +15,7 @@ const LEAST_AREA: f64 = 1e-6;
 
 /// The lines of an outline.
 #[derive(Clone, Debug)]
-pub(super) struct Outline {
+pub(crate) struct Outline {
     pub pieces: Vec<Piece>,
     /// Its area (m²).
     pub area: f64,
@@ -24,7 +24,7 @@ pub(super) struct Outline {
 }
 
 /// Reads the outline of a section, whose number counts from 1.
-pub(super) fn outline(section: &Section, number: usize) -> Result<Outline, StackError> {
+pub(crate) fn outline(section: &Section, number: usize) -> Result<Outline, StackError> {
     let wrong = |what: &str, due: &'static str, value: String| StackError::Number {
         what: format!("section {number}: {what}"),
         due,

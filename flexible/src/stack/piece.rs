@@ -41,7 +41,7 @@ pub(super) fn middle(a: Point, b: Point) -> Point {
 
 /// The circle of an arc.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arc {
+pub(crate) struct Arc {
     pub center: Point,
     pub radius: f64,
     /// Angle of the first point.
@@ -52,7 +52,7 @@ pub(super) struct Arc {
 
 /// A straight line or an arc between two points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(crate) struct Piece {
     pub from: Point,
     pub to: Point,
     pub arc: Option<Arc>,

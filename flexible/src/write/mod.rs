@@ -6,8 +6,8 @@
 mod abaqus;
 mod cards;
 mod mbdyn;
-mod number;
-mod numpy;
+pub(crate) mod number;
+pub(crate) mod numpy;
 mod op4;
 
 use crate::small_motion::SmallMotion;

@@ -29,16 +29,3 @@ pub fn array(shape: &[usize], values: &[f64]) -> Vec<u8> {
     }
     bytes
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_head_ends_at_a_multiple_of_64() {
-        let bytes = array(&[2, 1], &[1.5, -2.0]);
-        assert_eq!(bytes.len() % ALIGNED, 16);
-        assert!(bytes.starts_with(b"\x93NUMPY\x01\x00\x76\x00{'descr': '<f8', "));
-        assert!(bytes.ends_with(&(-2.0f64).to_le_bytes()));
-    }
-}

@@ -4,7 +4,7 @@ use crate::mesh::{ElementKind, VARIANT_LETTERS, Variant};
 
 /// The shape of an element type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
+pub enum Shape {
     /// A solid.
     Solid(ElementKind, Variant),
     /// A shell.
@@ -34,7 +34,7 @@ pub(super) enum Shape {
 
 /// Kind of a spring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SpringKind {
+pub enum SpringKind {
     /// From a freedom to the ground.
     Ground,
     /// Between two freedoms.
@@ -111,48 +111,6 @@ impl Shape {
             | Shape::Rotary
             | Shape::Distributing
             | Shape::Spring(SpringKind::Ground) => 1,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn types_and_their_variants() {
-        for (name, count) in [
-            ("C3D4", 4),
-            ("C3D10M", 10),
-            ("C3D10MH", 10),
-            ("C3D20RI", 20),
-            ("C3D8IT", 8),
-            ("C3D15", 15),
-            ("C3D5", 5),
-            ("S4R", 4),
-            ("B32", 3),
-            ("SPRINGA", 2),
-            ("CPS6", 6),
-        ] {
-            assert_eq!(
-                Shape::of(name).map(Shape::node_count),
-                Some(count),
-                "{name}"
-            );
-        }
-        let variant = |name| match Shape::of(name) {
-            Some(Shape::Solid(_, variant)) => Some(variant),
-            _ => None,
-        };
-        assert_eq!(variant("C3D8T"), Some(Variant::Plain));
-        assert_eq!(variant("C3D8RT"), variant("C3D20R"));
-        assert_ne!(variant("C3D8I"), variant("C3D8R"));
-        assert!(matches!(Shape::of("M3D4R"), Some(Shape::Membrane(_))));
-        assert!(matches!(Shape::of("SFM3D4R"), Some(Shape::Facet(_))));
-        for name in [
-            "C3D27", "C3D15V", "C3D", "U1", "CONN3D2", "T3D3", "C3Dé", "", "DS",
-        ] {
-            assert_eq!(Shape::of(name), None, "{name}");
         }
     }
 }

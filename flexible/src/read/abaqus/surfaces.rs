@@ -207,7 +207,10 @@ fn face_key(nodes: &[u32], corners: &[usize]) -> FaceKey {
 
 /// The share of a face's area (length²) for each of its nodes. The nodes of a facet share its area equally. So every share
 /// is positive, and the sum is exact for a flat face with straight edges.
-fn shares(ring: &[(u32, Option<u32>)], place: impl Fn(u32) -> [f64; 3]) -> Vec<(u32, f64)> {
+pub(crate) fn shares(
+    ring: &[(u32, Option<u32>)],
+    place: impl Fn(u32) -> [f64; 3],
+) -> Vec<(u32, f64)> {
     let mut shares = Vec::new();
     for facet in facets(ring) {
         share(&facet, &place, &mut shares);
@@ -232,35 +235,4 @@ fn share(polygon: &[u32], place: impl Fn(u32) -> [f64; 3], shares: &mut Vec<(u32
     }
     let each = 0.5 * norm(twice) / polygon.len() as f64;
     shares.extend(polygon.iter().map(|node| (*node, each)));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::ElementKind;
-
-    #[test]
-    fn shares_of_a_square_of_eight_nodes() {
-        let places = [
-            [0.0, 0.0, 1.0],
-            [2.0, 0.0, 1.0],
-            [2.0, 2.0, 1.0],
-            [0.0, 2.0, 1.0],
-            [1.0, 0.0, 1.0],
-            [2.0, 1.0, 1.0],
-            [1.0, 2.0, 1.0],
-            [0.0, 1.0, 1.0],
-        ];
-        let nodes = [0, 1, 2, 3, 4, 5, 6, 7];
-        let ring = around(ElementKind::Quadrilateral8, &nodes, &[0, 1, 2, 3]);
-        let mut sums = [0.0; 8];
-        for (node, share) in shares(&ring, |node| places[node as usize]) {
-            sums[node as usize] += share;
-        }
-        // corner triangles have the area 1/2, the inner square 2
-        for (node, sum) in sums.iter().enumerate() {
-            let expected: f64 = if node < 4 { 1.0 / 6.0 } else { 0.5 + 2.0 / 6.0 };
-            assert!((sum - expected).abs() < 1e-15, "{node}: {sum}");
-        }
-    }
 }

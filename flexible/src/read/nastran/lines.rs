@@ -129,7 +129,7 @@ fn before_comment(text: &str) -> &str {
 }
 
 /// The text after the word `INCLUDE`; `None` on any other line.
-fn include_operand(text: &str) -> Option<String> {
+pub fn include_operand(text: &str) -> Option<String> {
     let text = text.trim_start();
     let word = text.get(..7)?;
     if !word.eq_ignore_ascii_case("INCLUDE") {
@@ -144,17 +144,4 @@ fn include_operand(text: &str) -> Option<String> {
             .trim_end()
             .to_string(),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_include_lines_include() {
-        assert_eq!(include_operand("include 'a'").as_deref(), Some("'a'"));
-        assert_eq!(include_operand("INCLUDE='a b'").as_deref(), Some("'a b'"));
-        assert_eq!(include_operand("INCLUDED 1"), None);
-        assert_eq!(include_operand("INC"), None);
-    }
 }

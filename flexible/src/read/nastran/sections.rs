@@ -325,7 +325,7 @@ fn selected(text: &str, name: &str) -> Option<u64> {
 /// Whether an entry of case control gives the materials a temperature: `TEMPERATURE(MATERIAL)`, `(INITIAL)` or
 /// `(BOTH)`, or without a describer, which means `BOTH`. Without such an entry `MATTi` are not used (MSC Nastran, Quick
 /// Reference Guide, TEMPERATURE, remark 6).
-fn heats_materials(text: &str) -> bool {
+pub fn heats_materials(text: &str) -> bool {
     let text = text.trim().to_ascii_uppercase();
     let Some((head, _)) = text.split_once('=') else {
         return false;
@@ -338,7 +338,7 @@ fn heats_materials(text: &str) -> bool {
 }
 
 /// The first word of a line, in upper case, up to a comma, bracket or asterisk.
-fn first_word(text: &str) -> String {
+pub fn first_word(text: &str) -> String {
     text.trim_start()
         .split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
         .next()
@@ -362,7 +362,7 @@ const CARDS: [&str; 44] = [
 ];
 
 /// Whether a line certainly is a card.
-fn is_card(word: &str, text: &str) -> bool {
+pub fn is_card(word: &str, text: &str) -> bool {
     CARDS.contains(&word)
         && !text.contains('=')
         && cut(&Line {
@@ -374,34 +374,4 @@ fn is_card(word: &str, text: &str) -> bool {
             order: 0,
         })
         .is_ok_and(|piece| piece.head.trim_end_matches('*').trim_end() == word)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cards_and_control_lines_are_distinguished() {
-        assert!(is_card("GRID", "GRID*   1"));
-        assert!(is_card("GRID", "grid,1,,0.,0.,0."));
-        assert!(!is_card("SPC", "SPC = 3"));
-        assert!(!is_card("PARAM", "PARAM,POST,-1"));
-        assert_eq!(first_word("spc(2)=3"), "SPC");
-        for used in [
-            "TEMP = 3",
-            "temperature(mate)=4",
-            "TEMP(INIT) = 1",
-            "TEMPERATURE(BOTH)=2",
-        ] {
-            assert!(heats_materials(used), "{used}");
-        }
-        for unused in [
-            "TEMP(LOAD) = 3",
-            "TITLE = TEMP = 3",
-            "TEMPERATURE(LOAD,HTIME=1.)=2",
-        ] {
-            assert!(!heats_materials(unused), "{unused}");
-        }
-        assert_eq!(first_word("  disp(plot) = all"), "DISP");
-    }
 }

@@ -1,6 +1,10 @@
-use super::*;
-use crate::element::{ElementKind, Shape, quadrature};
-use eng_system::stack::{Corner, Section};
+//! Meshes of stacked sections: upright elements, volumes, and refusals.
+
+use eng_flexible::Mesh;
+use eng_flexible::element::{ElementKind, Shape, quadrature};
+use eng_flexible::internals::{outline_area, outline_turn};
+use eng_flexible::stack::{StackError, stack_mesh};
+use eng_system::stack::{Corner, Section, Stack};
 use std::f64::consts::PI;
 
 fn corner(x: f64, y: f64, bend: f64) -> Corner {
@@ -87,7 +91,7 @@ fn sound(stack: &Stack, within: f64) -> Mesh {
     let exact: f64 = stack
         .sections
         .iter()
-        .map(|section| outline(section, 1).unwrap().area * section.length)
+        .map(|section| outline_area(section).unwrap() * section.length)
         .sum();
     assert!(
         (found / exact - 1.0).abs() <= within,
@@ -460,8 +464,7 @@ fn an_outline_winds_around_the_points_inside() {
             [[-0.078, 0.0], [0.074, 0.0], [-0.02, 0.05], [0.0, 0.072]],
         ),
     ] {
-        let pieces = outline(section, 1).unwrap().pieces;
-        let turns = |point: [f64; 2]| pieces.iter().map(|piece| piece.turns(point)).sum::<f64>();
+        let turns = |point: [f64; 2]| outline_turn(section, point).unwrap();
         for point in inside {
             assert!(
                 (turns(point).abs() - 2.0 * PI).abs() < 1e-9,

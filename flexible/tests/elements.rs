@@ -1,6 +1,9 @@
-//! Shape functions of all elements, and the table's own consistency.
+//! Shape functions of all elements, and the consistency of their table.
 
-use super::*;
+use eng_flexible::element::{ElementKind, MOST_NODES, Shape};
+use eng_flexible::internals::elements::{
+    edges, faces, found_by_names, nastran_cards, of_gmsh, of_nastran, orders,
+};
 
 /// All with shape functions.
 fn kinds() -> impl Iterator<Item = ElementKind> {
@@ -151,22 +154,14 @@ fn shape_dimension(kind: ElementKind) -> usize {
 fn every_edge_of_a_solid_is_on_two_faces_in_opposite_directions() {
     for kind in kinds() {
         let mut directed = Vec::new();
-        for face in kind.description().faces {
+        for face in faces(kind) {
             for (a, b) in face.iter().zip(face.iter().cycle().skip(1)) {
                 directed.push((*a, *b));
             }
         }
-        let sides = if kind.description().faces.len() == 1 {
-            1
-        } else {
-            2
-        };
-        assert_eq!(
-            directed.len(),
-            sides * kind.description().edges.len(),
-            "{kind:?}"
-        );
-        for edge in kind.description().edges {
+        let sides = if faces(kind).len() == 1 { 1 } else { 2 };
+        assert_eq!(directed.len(), sides * edges(kind).len(), "{kind:?}");
+        for edge in edges(kind) {
             let there = directed.contains(&(edge[0], edge[1]));
             let back = directed.contains(&(edge[1], edge[0]));
             assert!(if sides == 2 {
@@ -176,7 +171,7 @@ fn every_edge_of_a_solid_is_on_two_faces_in_opposite_directions() {
             });
         }
         let middle = kind.node_count() - kind.corner_count();
-        assert!(middle == 0 || middle == kind.description().edges.len());
+        assert!(middle == 0 || middle == edges(kind).len());
     }
 }
 
@@ -184,7 +179,7 @@ fn every_edge_of_a_solid_is_on_two_faces_in_opposite_directions() {
 /// ordering).
 #[test]
 fn middle_nodes_belong_to_their_edges() {
-    let orders: [(i32, &[[usize; 2]]); 4] = [
+    let edges_of_gmsh: [(i32, &[[usize; 2]]); 4] = [
         (11, &[[0, 1], [1, 2], [2, 0], [3, 0], [2, 3], [1, 3]]),
         (
             17,
@@ -231,9 +226,9 @@ fn middle_nodes_belong_to_their_edges() {
             ],
         ),
     ];
-    for (number, gmsh) in orders {
-        let kind = ElementKind::of_gmsh(number).unwrap();
-        let order = kind.description().names.gmsh_order.unwrap();
+    for (number, gmsh) in edges_of_gmsh {
+        let kind = of_gmsh(number).unwrap();
+        let order = orders(kind)[1].unwrap();
         let corners = kind.corner_count();
         assert_eq!(order.len(), kind.node_count());
         for (place, edge) in kind.midside_edges().iter().enumerate() {
@@ -248,14 +243,7 @@ fn middle_nodes_belong_to_their_edges() {
 #[test]
 fn names_find_their_kinds_and_orders_are_permutations() {
     for kind in ElementKind::ALL {
-        let names = kind.description().names;
-        let orders = [
-            names.nastran_order,
-            names.gmsh_order,
-            names.universal_order,
-            names.med_order,
-        ];
-        for order in orders.into_iter().flatten() {
+        for order in orders(kind).into_iter().flatten() {
             let mut sorted = order.to_vec();
             sorted.sort_unstable();
             assert_eq!(
@@ -264,32 +252,16 @@ fn names_find_their_kinds_and_orders_are_permutations() {
                 "{kind:?}"
             );
         }
-        for card in names.nastran {
-            let (linear, largest) = ElementKind::of_nastran(card).unwrap();
+        for card in nastran_cards(kind) {
+            let (linear, largest) = of_nastran(card).unwrap();
             assert!([linear, largest].contains(&kind), "{kind:?} {card}");
             assert_eq!(linear, kind.linear());
         }
-        for name in names.abaqus {
-            assert_eq!(ElementKind::of_abaqus(name), Some(kind));
-        }
-        for end in names.abaqus_facets {
-            assert_eq!(ElementKind::of_abaqus_facet(end), Some(kind));
-        }
-        if let Some(number) = names.gmsh {
-            assert_eq!(ElementKind::of_gmsh(number), Some(kind));
-        }
-        if let Some(descriptor) = names.universal {
-            assert_eq!(ElementKind::of_universal(descriptor), Some(kind));
-        }
-        if let Some(name) = names.med {
-            assert_eq!(ElementKind::of_med(name), Some(kind));
+        for (name, found) in found_by_names(kind) {
+            assert_eq!(found, Some(kind), "{name}");
         }
     }
-    let hexahedron = ElementKind::Hexahedron20.description();
-    let order = hexahedron.names.nastran_order.unwrap();
-    assert_eq!(hexahedron.edges[order[12] - 8], [0, 4]);
-    assert_eq!(
-        ElementKind::of_nastran("CQUAD4").unwrap().1,
-        ElementKind::Quadrilateral4
-    );
+    let order = orders(ElementKind::Hexahedron20)[0].unwrap();
+    assert_eq!(edges(ElementKind::Hexahedron20)[order[12] - 8], [0, 4]);
+    assert_eq!(of_nastran("CQUAD4").unwrap().1, ElementKind::Quadrilateral4);
 }
