@@ -39,7 +39,7 @@ pub(super) struct Sheet<'a> {
 }
 
 /// One square.
-pub(super) struct Cell<'a> {
+pub(crate) struct Cell<'a> {
     pub name: &'a str,
     /// Numbers above its right corner.
     pub facts: String,
