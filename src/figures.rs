@@ -23,19 +23,23 @@ pub(crate) const TURN: &str = "turn";
 
 /// A figure that is to be drawn.
 #[derive(Clone, Debug)]
-pub(crate) struct Wanted {
+pub struct Wanted {
     /// Its name for a file.
     pub name: String,
+    /// The title above it.
     pub title: String,
     /// The columns, in the order of the curves.
     pub paths: Vec<String>,
     /// Names of columns with the same values.
     pub same: Vec<String>,
+    /// The dimension of the columns.
     pub dimension: Dimension,
+    /// Its plan, as a `report` block would state it.
     pub figure: plan::Figure,
 }
 
 impl Wanted {
+    /// Draws it from the results of runs.
     pub fn draw(&self, runs: &[Run<'_>]) -> Result<Figure, PostError> {
         post::draw(&self.figure, &self.title, runs)
     }
@@ -123,7 +127,7 @@ fn of_response(results: &Results) -> Vec<Wanted> {
 }
 
 /// The outputs of the model and the forces of its journals.
-pub(crate) fn histories(run: &Run<'_>) -> Vec<Wanted> {
+pub fn histories(run: &Run<'_>) -> Vec<Wanted> {
     let journals = [0, 1].map(|axis| Family::journal_forces(run, axis));
     let wanted = Family::outputs(run.results).into_iter().chain(journals);
     wanted
@@ -354,7 +358,7 @@ pub(crate) fn loads(run: &Run<'_>) -> Vec<Wanted> {
 
 /// The spectra of the curves of a history that vary; `None` if none of them does, and for other quantities than
 /// forces and accelerations.
-pub(crate) fn spectrum(of: &Wanted, run: &Run<'_>) -> Option<Wanted> {
+pub fn spectrum(of: &Wanted, run: &Run<'_>) -> Option<Wanted> {
     if ![Dimension::FORCE, Dimension::ACCELERATION].contains(&of.dimension) {
         return None;
     }
@@ -519,97 +523,4 @@ pub(crate) fn over_variable(sweep: &str, title: String, x: &Column, columns: &[&
 fn over_runs(path: &str, runs: &[Run<'_>]) -> Vec<Member> {
     let analyses = runs.iter().map(|run| run.results.analysis());
     analyses.map(|analysis| member(analysis, path)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::machine::Machine;
-    use eng_report::figure::{Abscissa, History, Upright};
-
-    fn machine(period: Option<f64>) -> Machine {
-        Machine {
-            fields: Vec::new(),
-            journals: Vec::new(),
-            summaries: Vec::new(),
-            cycle_period: period,
-            periodic: period.is_some(),
-            upright: Upright::Y,
-            firing: Vec::new(),
-        }
-    }
-
-    fn column(path: &str, dimension: Dimension, values: Vec<f64>) -> Column {
-        Column {
-            path: path.to_owned(),
-            dimension,
-            display: eng_system::DisplayUnit::si(dimension),
-            ..Column::time(values)
-        }
-    }
-
-    #[test]
-    fn families_are_the_models_outputs() {
-        let mut results = Results::new("a", "M");
-        results.push(Column::time(vec![0.0])).unwrap();
-        for path in [
-            "vertical[1]",
-            "vertical[2]",
-            "crank_torque",
-            "main[1].force.x",
-        ] {
-            results
-                .push(column(path, Dimension::FORCE, vec![1.0]))
-                .unwrap();
-        }
-        let machine = machine(None);
-        let found: Vec<(String, usize)> = histories(&Run::new(&results, &machine))
-            .into_iter()
-            .map(|wanted| (wanted.title, wanted.paths.len()))
-            .collect();
-        assert_eq!(
-            found,
-            [("Vertical".to_owned(), 2), ("Crank torque".to_owned(), 1)]
-        );
-    }
-
-    /// One cycle of two revolutions at 3000 rpm: 5 N of the fourth order about 2 N.
-    #[test]
-    fn a_wave_stands_at_its_order_and_a_constant_has_no_spectrum() {
-        let angles: Vec<f64> = (0..=720).map(|i| f64::from(i).to_radians()).collect();
-        let wave = angles.iter().map(|a| 5.0 * libm::cos(4.0 * a) + 2.0);
-        let (wave, still) = (wave.collect(), vec![2.0; angles.len()]);
-        let times = angles.iter().map(|a| a / TAU / 50.0).collect();
-        let mut results = Results::new("a", "M");
-        results.push(Column::time(times)).unwrap();
-        results
-            .push(column("push[1]", Dimension::FORCE, wave))
-            .unwrap();
-        results
-            .push(column("push[2]", Dimension::FORCE, still))
-            .unwrap();
-        results.push(Column::cycle_angle(angles)).unwrap();
-        let machine = machine(Some(2.0 * TAU));
-        let run = Run::new(&results, &machine);
-        let history = &histories(&run)[0];
-        let spectrum = spectrum(history, &run).expect("a spectrum");
-        let Ok(Figure::History(History {
-            panels,
-            abscissa,
-            subtitle,
-            ..
-        })) = spectrum.draw(&[run])
-        else {
-            panic!("{spectrum:?}");
-        };
-        assert_eq!(abscissa, Abscissa::OrderAt { speed: 50.0 });
-        assert!(subtitle.contains("rectangular window, resolution 0.5000 orders"));
-        assert_eq!(panels[0].curves.len(), 1);
-        let values = &panels[0].curves[0].values;
-        for (order, value) in panels[0].x.iter().zip(values) {
-            let due = if *order == 4.0 { 5.0 } else { 0.0 };
-            assert!((value - due).abs() < 1e-10, "{order}: {value}");
-        }
-        assert!((panels[0].x.last().unwrap() - ORDERS).abs() < 1e-9);
-    }
 }

@@ -367,36 +367,3 @@ pub(crate) fn composition(results: &Results, row: usize) -> String {
         .collect();
     listed(shares)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use eng_system::{Dimension, DisplayUnit};
-
-    #[test]
-    fn parts_are_named_from_columns() {
-        let mut results = Results::new("modes", "M");
-        for (path, value) in [
-            ("kinetic.crank", 0.82),
-            ("kinetic.crank.rigid", 0.2),
-            ("kinetic.crank.mode[1]", 0.0),
-            ("kinetic.crank.mode[2]", 0.62),
-            ("kinetic.rod[1]", 0.16),
-            ("kinetic.rod[2]", 0.02),
-        ] {
-            let share = Column {
-                path: path.to_owned(),
-                dimension: Dimension::ONE,
-                display: DisplayUnit::si(Dimension::ONE),
-                frame: String::new(),
-                values: vec![value],
-            };
-            results.push(share).unwrap();
-        }
-        assert_eq!(
-            composition(&results, 0),
-            "62 % crank mode 2, 20 % crank rigid, 16 % rod[1]"
-        );
-        assert!(!results.are_modes());
-    }
-}

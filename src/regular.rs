@@ -26,7 +26,7 @@ pub(crate) fn regular(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Opens a regular file for reading.
-pub(crate) fn open(path: &Path) -> io::Result<File> {
+pub fn open(path: &Path) -> io::Result<File> {
     File::open(regular(path)?)
 }
 

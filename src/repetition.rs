@@ -26,7 +26,7 @@ const HARDLY_GROWS: f64 = 1.02;
 
 /// The end of a periodic analysis.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Repetition {
+pub struct Repetition {
     /// Whole cycles.
     pub cycles: u32,
     /// Whether the last cycle repeats the one before.
@@ -42,7 +42,7 @@ pub(crate) struct Repetition {
 
 /// The channel that changed most from the last cycle but one to the last.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Slowest {
+pub struct Slowest {
     /// Its path.
     pub channel: String,
     /// Largest difference as a share of its swing within a cycle.
@@ -224,35 +224,4 @@ fn rounded_down(value: f64) -> String {
     let power = libm::pow(10.0, libm::floor(libm::log10(value)));
     // a digit that is exact but for rounding stays
     significant(libm::floor(value / power * (1.0 + 1e-9)) * power, 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_metadata_give_it_back() {
-        for (repeats, factor) in [(true, Some(0.1 + 0.2)), (false, None)] {
-            let slowest = Some(Slowest {
-                channel: "main[1].eccentricity.x".to_owned(),
-                change: 1.0 / 3.0,
-                factor,
-            });
-            for slowest in [slowest, None] {
-                let found = Repetition {
-                    cycles: 40,
-                    repeats,
-                    slowest,
-                    noise: repeats.then(|| "tolerance: 0.01".to_owned()),
-                    erratic: !repeats,
-                };
-                let kept = found.metadata().into_iter();
-                let kept: BTreeMap<String, String> =
-                    kept.map(|(key, value)| (key.to_owned(), value)).collect();
-                assert!(kept.keys().all(|key| Repetition::is_key(key)));
-                assert_eq!(Repetition::of(&kept), Some(found));
-            }
-        }
-        assert_eq!(Repetition::of(&BTreeMap::new()), None);
-    }
 }

@@ -35,7 +35,7 @@ struct Asked {
 /// The state of a file. Another content has another stamp, unless it has the same length and was written within the
 /// resolution of the file system's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Stamp {
+pub struct Stamp {
     modified: Option<SystemTime>,
     length: u64,
 }
@@ -306,40 +306,5 @@ impl Host for Sources {
                 })
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_reads_nothing_outside() {
-        let sources = Sources::folder(env!("CARGO_MANIFEST_DIR")).expect("a folder");
-        assert!(sources.read_text("Cargo.toml").is_ok());
-        assert_eq!(
-            sources.read_text("../Cargo.toml"),
-            Err(HostError::Outside("../Cargo.toml".into()))
-        );
-        assert!(matches!(
-            sources.read_text("/etc/passwd"),
-            Err(HostError::Outside(_))
-        ));
-        assert_eq!(
-            sources.read_text("no.eng"),
-            Err(HostError::NotFound("no.eng".into()))
-        );
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .canonicalize()
-            .expect("a folder");
-        let asked = sources.asked();
-        let names: Vec<_> = asked.keys().map(|path| path.strip_prefix(&root)).collect();
-        assert_eq!(
-            names,
-            [Ok(Path::new("Cargo.toml")), Ok(Path::new("no.eng"))]
-        );
-        let stamps: Vec<bool> = asked.values().map(Option::is_some).collect();
-        assert_eq!(stamps, [true, false]);
-        assert_eq!(sources.opened(), BTreeSet::from([root.join("Cargo.toml")]));
     }
 }

@@ -125,35 +125,3 @@ fn now() -> Duration {
 fn now() -> crate::moment::Moment {
     crate::moment::Moment::now()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The sum of all readings is the time from the first to the last: no time counts in two phases.
-    #[test]
-    #[cfg(unix)]
-    fn phases_do_not_overlap() {
-        let mut clock = Clock::new();
-        let begin = clock.last;
-        let phases: Duration = (0..3).map(|_| clock.since()).sum();
-        assert_eq!(phases, clock.last - begin);
-    }
-
-    /// A thread that sleeps takes no processor time, and one that computes does.
-    #[test]
-    #[cfg(unix)]
-    fn only_computing_counts() {
-        let mut clock = Clock::new();
-        std::thread::sleep(Duration::from_millis(50));
-        let asleep = clock.since();
-        let mut sum = 0.0_f64;
-        while clock.last + Duration::from_millis(20) > now() {
-            sum += std::hint::black_box(1.0);
-        }
-        let awake = clock.since();
-        assert!(sum > 0.0);
-        assert!(asleep < Duration::from_millis(10), "{asleep:?}");
-        assert!(awake >= Duration::from_millis(20), "{awake:?}");
-    }
-}

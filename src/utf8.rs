@@ -4,7 +4,7 @@
 ///
 /// # Errors
 /// Bytes that are no UTF-8: the encoding, or the place of the first wrong byte, with the fix.
-pub(crate) fn text(bytes: Vec<u8>) -> Result<String, String> {
+pub fn text(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|error| {
         let bytes = error.as_bytes();
         if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
@@ -19,20 +19,4 @@ pub(crate) fn text(bytes: Vec<u8>) -> Result<String, String> {
             "it is not UTF-8 text: the byte 0x{byte:02x} in line {line}, column {column} is no character; texts in Latin-1 have such bytes: save it as UTF-8"
         )
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::text;
-
-    #[test]
-    fn wrong_bytes_are_told_with_their_place() {
-        assert_eq!(text("é\n".into()), Ok("é\n".to_owned()));
-        let latin = text(b"ab\nc\xc3\xa9d\xe9\n".to_vec()).unwrap_err();
-        assert!(latin.contains("0xe9 in line 2, column 4"), "{latin}");
-        for sixteen in [&b"\xff\xfea\0"[..], b"\xfe\xff\0a"] {
-            let refused = text(sixteen.to_vec()).unwrap_err();
-            assert!(refused.contains("UTF-16"), "{refused}");
-        }
-    }
 }

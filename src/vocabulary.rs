@@ -7,7 +7,7 @@ pub(crate) type About = (&'static str, &'static str);
 pub(crate) const PAGE: &str = "docs/language.md";
 
 /// Words of the grammar and names that every text knows.
-pub(crate) const WORDS: &[About] = &[
+pub const WORDS: &[About] = &[
     (
         "accept",
         "`accept NAME` in the block of a use, a body or a model: the lint of this name gives no warning there",
@@ -249,7 +249,7 @@ pub(crate) const WORDS: &[About] = &[
 ];
 
 /// The lints that no class of the library states.
-pub(crate) const LINTS: [About; eng_system::lint::BUILT_IN.len()] = [
+pub const LINTS: [About; eng_system::lint::BUILT_IN.len()] = [
     (
         eng_system::lint::INERTIA,
         "the inertia of a body does not fit its mass and its markers",
@@ -339,44 +339,4 @@ pub(crate) fn lint(name: &str) -> Option<String> {
     Some(format!(
         "`{name}` is a lint: {about}. `accept {name}` in the block of the item accepts it ({PAGE}#lints)"
     ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{LINTS, WORDS};
-
-    /// The sentence about analyses names every kind.
-    #[test]
-    fn the_kinds_of_analyses_are_named() {
-        let sentence = WORDS.iter().find(|(word, _)| *word == "analysis");
-        let (_, sentence) = sentence.expect("a word of the language");
-        for kind in eng_system::analysis::KINDS {
-            assert!(sentence.contains(kind.name), "{}", kind.name);
-        }
-    }
-
-    /// Every word of the grammar has a sentence, and each lint of the program its own.
-    #[test]
-    fn words_of_the_grammar_are_known() {
-        let grammar = include_str!("../grammar/src/eng.pest");
-        let rules = grammar
-            .lines()
-            .take_while(|line| !line.starts_with("file "));
-        let rules: Vec<&str> = rules
-            .filter(|line| !line.trim_start().starts_with("//"))
-            .collect();
-        let text = rules.join("\n");
-        let quoted = text.split('"').skip(1).step_by(2);
-        let letters = |word: &&str| word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase());
-        let mut count = 0;
-        for word in quoted.filter(letters) {
-            count += 1;
-            assert!(WORDS.iter().any(|(known, _)| *known == word), "{word}");
-        }
-        assert!(count > 50, "{count} words");
-        assert!(WORDS.is_sorted_by_key(|(word, _)| *word));
-        for (lint, known) in LINTS.iter().zip(eng_system::lint::BUILT_IN) {
-            assert_eq!(lint.0, known);
-        }
-    }
 }

@@ -1,5 +1,5 @@
 //! The rules of the architecture: top-level modules of a crate have no circles, the library does not use the command
-//! line, the crates below it neither print nor open files, functions are short.
+//! line, the crates below it neither print nor open files, functions are short, inner parts are for tests alone.
 //!
 //! Sources are read in the form of `cargo fmt`, without the tests inside of them.
 
@@ -237,7 +237,9 @@ fn modules(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
         }
     }
     let names: BTreeSet<String> = texts.iter().map(|(name, ..)| name.clone()).collect();
-    let handed_on = handed_on(&root);
+    // exports for tests are no way between modules
+    let exports = root.split("pub mod internals {").next();
+    let handed_on = handed_on(exports.unwrap_or_default());
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for (name, depth, text) in texts {
         let edges = graph.entry(name.clone()).or_default();
@@ -387,7 +389,55 @@ fn libraries_without_tests_contain_none() {
             }
         }
     }
-    assert!(without.contains(&"eng-compiler"), "{without:?}");
+    for name in ["eng", "eng-compiler"] {
+        assert!(without.contains(&name), "{without:?}");
+    }
+}
+
+/// The uses of a hidden module `internals` in a text: `eng_film::internals`, `crate::internals`, `eng::{internals, check}`.
+fn uses_of_internals(text: &str) -> usize {
+    let tokens = tokens(text);
+    let is = |at: usize, wanted: &str| tokens.get(at).is_some_and(|token| token == wanted);
+    (0..tokens.len())
+        .filter(|at| is(*at, "internals") && !(*at > 0 && is(at - 1, "mod")))
+        .count()
+}
+
+/// Only the tests of a crate reach its inner parts.
+#[test]
+fn no_source_uses_internals() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut with_internals = Vec::new();
+    for (name, folder) in CRATES {
+        for (path, text) in sources(&root.join(folder)) {
+            assert_eq!(uses_of_internals(&text), 0, "{}", path.display());
+            if text.contains("pub mod internals {") {
+                with_internals.push(name);
+            }
+        }
+    }
+    let due = [
+        "eng",
+        "eng-grammar",
+        "eng-system",
+        "eng-compiler",
+        "eng-film",
+    ];
+    assert_eq!(with_internals, due);
+    // tests reach those of their own crate
+    for (name, folder) in CRATES {
+        let own = format!("{}::internals", name.replace('-', "_"));
+        let folder = root.join(folder).join("../tests");
+        for (path, text) in folder
+            .is_dir()
+            .then(|| sources(&folder))
+            .into_iter()
+            .flatten()
+        {
+            let uses = uses_of_internals(&text);
+            assert_eq!(uses, text.matches(&own).count(), "{}", path.display());
+        }
+    }
 }
 
 /// The files of these crates that print or open files, with the reason.
@@ -474,6 +524,9 @@ fn the_rules_can_fail() {
     let circle = [("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")];
     let due = ["b", "c"].map(str::to_owned).to_vec();
     assert_eq!(circles(&uses(&circle)), BTreeSet::from([due]));
+
+    let text = "pub mod internals { } use eng_film::internals::Ring; use eng::{internals, check};";
+    assert_eq!(uses_of_internals(text), 2);
 
     let text =
         "use std::{fs::File, io}; use std::io::Read; fn a(out: &mut dyn Write) { File::default();

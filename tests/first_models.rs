@@ -155,6 +155,10 @@ fn a_file_that_exists_is_not_replaced() {
     assert_eq!(kept, "my text");
     let lost = folder.eng(&["new", "no_folder/mine"]);
     assert_eq!(lost.status.code(), Some(2));
+    // the end of a version is no ending of a file
+    let version = folder.eng(&["new", "v1.2"]);
+    assert_eq!(version.status.code(), Some(0), "{version:?}");
+    assert!(folder.0.join("v1.2.eng").is_file());
     let other = folder.eng(&["new", "two words", "--from", "pendulum"]);
     assert!(
         text(&other.stdout).contains("eng run    \"two words.eng\""),

@@ -87,6 +87,7 @@ mod studies;
 mod support;
 mod thermal_films;
 mod turning_shafts;
+mod units;
 mod validation;
 mod watch;
 mod wrong_settings;

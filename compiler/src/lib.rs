@@ -29,7 +29,7 @@ pub mod resolve;
 pub mod typed;
 mod words;
 
-/// Parts that the tests of `tests/` check alone. No other crate may use them.
+/// Parts for the tests in `tests/` alone. No other crate may use them.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::ir::differentiate::{time_derivative, uses_acceleration};

@@ -66,7 +66,7 @@ pub use source::{
 };
 pub use surfaces::{Roughness, Thinning};
 
-/// Parts that the tests of `tests/` check alone. No other crate may use them.
+/// Parts for the tests in `tests/` alone. No other crate may use them.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::ring::{EAST, HIGH, LOW, OWN, RingMatrix, WEST};

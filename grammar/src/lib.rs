@@ -37,7 +37,7 @@ pub use parse::{UnitWords, parse, parse_expression, parse_placeholder, parse_wit
 pub use span::{Source, SourceId, SourceMap, Span};
 pub use words::WORDS;
 
-/// Parts that the tests of `tests/` check alone. No other crate may use them.
+/// Parts for the tests in `tests/` alone. No other crate may use them.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::build::diagnose::ITEM_WORDS;

@@ -556,14 +556,15 @@ pub(super) enum Format {
 
 /// A parameter set on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Setting {
+pub struct Setting {
     /// The parameter's path.
     pub path: String,
     /// The text of its value with unit.
     pub value: String,
 }
 
-fn setting(text: &str) -> Result<Setting, String> {
+/// A parameter and its value: `speed=5000 rpm`.
+pub fn setting(text: &str) -> Result<Setting, String> {
     match text.split_once('=') {
         Some((path, value)) if !path.trim().is_empty() && !value.trim().is_empty() => Ok(Setting {
             path: path.trim().to_owned(),
@@ -608,28 +609,5 @@ fn pattern(text: &str) -> Result<String, String> {
     match text.split(',').any(|part| part.trim().is_empty()) {
         true => Err("give a channel's path, or a pattern of several: `main[*].force.*`".to_owned()),
         false => Ok(text.to_owned()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn definition_is_sound() {
-        Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn settings_have_path_and_value() {
-        let read = setting("cylinder[2].bore = 86 mm").unwrap();
-        assert_eq!(
-            (read.path.as_str(), read.value.as_str()),
-            ("cylinder[2].bore", "86 mm")
-        );
-        for text in ["speed", "=3", "speed=", ""] {
-            assert!(setting(text).is_err(), "{text}");
-        }
     }
 }

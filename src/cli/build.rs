@@ -60,7 +60,7 @@ fn library(arguments: &BuildArguments) -> Result<PathBuf, String> {
 }
 
 /// The versions behind the marks in the bytes of a library. The library is not loaded: it may be of another system.
-fn versions(bytes: &[u8]) -> Vec<&str> {
+pub fn versions(bytes: &[u8]) -> Vec<&str> {
     let (mut found, mut marked) = (Vec::new(), false);
     for part in bytes.split(|byte| *byte == b'=') {
         if marked {
@@ -207,21 +207,5 @@ fn subject(arguments: &BuildArguments, program: &Program) -> Result<Subject, Str
             "choose one with --model, or an analysis with --analysis; the models are: {}",
             models.join(", ")
         )),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::versions;
-
-    #[test]
-    fn a_library_is_known_by_its_mark() {
-        let library = b"\x7fELF eng-library-version=\0=\xff eng-library-version=0.2.0\0more=";
-        assert_eq!(versions(library), ["", "0.2.0"]);
-        assert_eq!(versions(b"eng-library-version=0.1.0\n"), ["0.1.0"]);
-        let others: [&[u8]; 3] = [b"", b"root:x:0:0", b"eng-library-version=0.1.0"];
-        for other in others {
-            assert!(versions(other).is_empty(), "{other:?}");
-        }
     }
 }

@@ -42,8 +42,8 @@ pub(super) fn claim(arguments: &RunArguments, folder: &Path) -> Result<(), Strin
     }
 }
 
-/// [`claim`] with the current folder, to which the paths are relative.
-fn claim_from(here: &Path, model: &Path, folder: &Path) -> Result<(), String> {
+/// `claim` with the current folder, to which the paths are relative.
+pub fn claim_from(here: &Path, model: &Path, folder: &Path) -> Result<(), String> {
     let (Ok(here), Ok(text)) = (here.canonicalize(), here.join(model).canonicalize()) else {
         return Ok(());
     };
@@ -144,37 +144,5 @@ pub(super) fn or_stop<T, E: std::fmt::Display>(
             writeln!(console.errors, "error: {error}")?;
             Err(Stop::Code(USAGE_OR_SYSTEM))
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_of_another_text_are_not_replaced() {
-        let here = std::env::temp_dir().join(format!("eng-claim-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&here);
-        let folder = Path::new("results/x");
-        for place in ["a", "b", "results/x"] {
-            std::fs::create_dir_all(here.join(place)).unwrap();
-        }
-        let (first, second) = (Path::new("a/x.eng"), Path::new("b/x.eng"));
-        for text in [first, second] {
-            std::fs::write(here.join(text), "").unwrap();
-        }
-        let claim = |text: &Path| claim_from(&here, text, folder);
-        assert_eq!(claim(first), Ok(()));
-        // no results yet
-        assert_eq!(claim(second), Ok(()));
-        std::fs::write(here.join("results/x/run.parquet"), "").unwrap();
-        assert_eq!(claim(second), Ok(()));
-        let refused = claim(first).unwrap_err();
-        let told = "results of b/x.eng: choose another folder for those of a/x.eng by --out";
-        assert!(refused.replace('\\', "/").ends_with(told), "{refused}");
-        // the text has moved
-        std::fs::remove_file(here.join(second)).unwrap();
-        assert_eq!(claim(first), Ok(()));
-        std::fs::remove_dir_all(&here).unwrap();
     }
 }

@@ -3,12 +3,12 @@
 //! This module contains the interface at a terminal. The library compiles, solves, and makes tables and
 //! figures; it does not use this module. Only this module and `main.rs` print.
 
-mod arguments;
-mod build;
+pub(crate) mod arguments;
+pub(crate) mod build;
 mod check;
 mod explain;
 mod export;
-mod files;
+pub(crate) mod files;
 mod fmt;
 mod lsp;
 mod new;
@@ -16,15 +16,15 @@ mod open;
 mod outcomes;
 mod outputs;
 mod post;
-mod progress;
+pub(crate) mod progress;
 mod reduce;
 mod report;
-mod results;
+pub(crate) mod results;
 mod run;
 mod shell;
 mod study;
 mod terminal;
-mod watch;
+pub(crate) mod watch;
 
 use crate::codes;
 use crate::error::Error;
@@ -36,6 +36,7 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use terminal::Terminal;
+use watch::changes::{Changes, Looks};
 
 /// Done.
 pub const DONE: u8 = 0;
@@ -94,6 +95,15 @@ impl From<std::io::Error> for Stop {
 
 /// Runs the command on any output and returns the exit code.
 pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Console<'_>) -> u8 {
+    run_with(arguments, &mut Looks::default(), console)
+}
+
+/// [`run_on`], where `eng watch` waits for these changes.
+pub(crate) fn run_with(
+    arguments: impl IntoIterator<Item = OsString>,
+    changes: &mut dyn Changes,
+    console: &mut Console<'_>,
+) -> u8 {
     let console = &mut Terminal::new(console);
     let words: Vec<OsString> = arguments.into_iter().collect();
     let arguments = match Arguments::try_parse_from(&words) {
@@ -102,7 +112,7 @@ pub fn run_on(arguments: impl IntoIterator<Item = OsString>, console: &mut Conso
     };
     let done = match &arguments.command {
         Command::Run(run) => run::run(run, console),
-        Command::Watch(watch) => watch::watch(watch, console),
+        Command::Watch(watch) => watch::watch(watch, changes, console),
         Command::Check(check) => check::check(check, console),
         Command::Build(build) => build::build(build, console),
         Command::Plan(plan) => study::plan(plan, console),

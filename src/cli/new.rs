@@ -71,19 +71,3 @@ fn create(file: &Path, text: &str) -> std::io::Result<()> {
         let _ = std::fs::remove_file(file);
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_get_the_ending_of_models() {
-        for (name, file) in [
-            ("engine", "engine.eng"),
-            ("a/v1.2", "a/v1.2.eng"),
-            ("engine.eng", "engine.eng"),
-        ] {
-            assert_eq!(with_ending(Path::new(name)), Path::new(file));
-        }
-    }
-}

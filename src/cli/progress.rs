@@ -4,12 +4,13 @@ use crate::Progress;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// One bar for each analysis that runs.
-pub(super) struct Bars {
+pub struct Bars {
     all: MultiProgress,
     shown: Vec<Option<ProgressBar>>,
     /// The words below the bars. They stay on the terminal when Ctrl-C ends the command.
     advice: Option<&'static str>,
-    below: Option<ProgressBar>,
+    /// The line with the words, while a bar is drawn.
+    pub below: Option<ProgressBar>,
 }
 
 impl Bars {
@@ -69,7 +70,8 @@ impl Bars {
 /// Length of a full bar: a run advances it in thousandths.
 const BAR: u64 = 1000;
 
-fn progress_bar(analysis: &str) -> ProgressBar {
+/// The bar of an analysis.
+pub fn progress_bar(analysis: &str) -> ProgressBar {
     let target = ProgressDrawTarget::hidden();
     let bar = ProgressBar::with_draw_target(Some(BAR), target).with_prefix(analysis.to_owned());
     let template = "{prefix} {wide_bar} {percent:>3} %  {msg}  {eta} left";
@@ -88,13 +90,14 @@ fn line() -> ProgressBar {
     }
 }
 
-fn show_progress(bar: &ProgressBar, progress: Progress) {
+/// Moves a bar, and states the place of the run beside it.
+pub fn show_progress(bar: &ProgressBar, progress: Progress) {
     bar.set_message(place(progress));
     bar.set_position((progress.fraction.clamp(0.0, 1.0) * BAR as f64) as u64);
 }
 
 /// `1260 °CA`, or the time of a model without cycle.
-fn place(progress: Progress) -> String {
+pub fn place(progress: Progress) -> String {
     if let Some((cycles, change)) = progress.cycles {
         return match change {
             Some(change) => format!("{cycles} cycles, {:.3} % change", 100.0 * change),
@@ -104,49 +107,5 @@ fn place(progress: Progress) -> String {
     match progress.cycle_angle {
         Some(angle) => format!("{:.0} °CA", angle.to_degrees()),
         None => format!("{:.6} s", progress.time),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn progress_names_the_angle_or_the_time() {
-        let mut progress = Progress {
-            fraction: 0.5,
-            time: 0.03,
-            steps: 0,
-            cycle_angle: Some(4.0 * std::f64::consts::PI),
-            cycles: None,
-        };
-        assert_eq!(place(progress), "720 °CA");
-        progress.cycle_angle = None;
-        assert_eq!(place(progress), "0.030000 s");
-        progress.cycles = Some((3, Some(0.0125)));
-        assert_eq!(place(progress), "3 cycles, 1.250 % change");
-        progress.cycles = None;
-        let bar = progress_bar("unfired");
-        show_progress(&bar, progress);
-        assert_eq!((bar.position(), bar.length()), (500, Some(1000)));
-    }
-
-    #[test]
-    fn the_words_below_stay_as_long_as_a_bar() {
-        let progress = Progress {
-            fraction: 0.5,
-            time: 0.03,
-            steps: 0,
-            cycle_angle: None,
-            cycles: None,
-        };
-        let mut bars = Bars::new(2, true, Some("Ctrl-C keeps the samples"));
-        bars.show(0, "first", progress);
-        bars.show(1, "second", progress);
-        bars.end(0);
-        let words = bars.below.as_ref().map(ProgressBar::message);
-        assert_eq!(words.as_deref(), Some("Ctrl-C keeps the samples"));
-        bars.end(1);
-        assert!(bars.below.is_none());
     }
 }

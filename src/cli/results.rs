@@ -110,7 +110,7 @@ fn show(found: &Listed, console: &mut Terminal<'_>) -> Result<(), Stop> {
 }
 
 /// A number with its unit, to twelve digits. Later digits are rounding errors of the unit's factor.
-fn rounded(text: &str) -> String {
+pub fn rounded(text: &str) -> String {
     let (number, unit) = text.split_at(text.find(' ').unwrap_or(text.len()));
     match number.parse::<f64>() {
         Ok(value) if value.is_finite() => {
@@ -123,23 +123,5 @@ fn rounded(text: &str) -> String {
             }
         }
         _ => text.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rounded;
-
-    #[test]
-    fn parameters_are_shown_as_written() {
-        for (kept, shown) in [
-            ("86.00000000000001 mm", "86 mm"),
-            ("0.1234567890123456 N*m/rad", "0.123456789012 N*m/rad"),
-            ("1", "1"),
-            ("0.0000004 m", "4e-7 m"),
-            ("a text 1", "a text 1"),
-        ] {
-            assert_eq!(rounded(kept), shown);
-        }
     }
 }

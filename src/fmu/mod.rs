@@ -10,7 +10,7 @@
 //! ```
 
 mod archive;
-mod description;
+pub(crate) mod description;
 mod manifest;
 mod page;
 mod variables;

@@ -28,15 +28,15 @@
 
 mod evaluate;
 mod gradient;
-mod natural;
+pub(crate) mod natural;
 mod operation;
-mod picture;
+pub(crate) mod picture;
 mod sampling;
-mod sampling_limits;
+pub(crate) mod sampling_limits;
 mod section;
 mod spectra;
 mod table;
-mod track;
+pub(crate) mod track;
 
 pub(crate) use picture::{ORDERS, capital};
 pub(crate) use section::section;

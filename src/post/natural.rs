@@ -24,7 +24,7 @@ struct Oscillation {
 
 /// Lightly damped oscillations of one linear analysis, or of several at different speeds.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Natural {
+pub struct Natural {
     names: Vec<String>,
     oscillations: Vec<Oscillation>,
 }
@@ -41,7 +41,8 @@ impl Natural {
         Ok(natural)
     }
 
-    fn push(&mut self, name: &str, frequencies: &[f64], damping: &[f64], speeds: &[f64]) {
+    /// Adds the modes of an analysis: frequencies (Hz), damping ratios, and speeds (rad/s). Heavily damped modes are left out.
+    pub fn push(&mut self, name: &str, frequencies: &[f64], damping: &[f64], speeds: &[f64]) {
         self.names.push(name.to_owned());
         for (row, ((frequency, damping), speed)) in
             frequencies.iter().zip(damping).zip(speeds).enumerate()
@@ -65,7 +66,7 @@ impl Natural {
 
     /// Name and frequency (Hz) of each, if all have one speed. They are drawn as lines over all speeds, where
     /// they are about the same.
-    pub(super) fn lines(&self) -> Vec<(String, f64)> {
+    pub fn lines(&self) -> Vec<(String, f64)> {
         let modes = self.oscillations.iter();
         match self.one_speed() {
             Some(_) => modes
@@ -76,13 +77,13 @@ impl Natural {
     }
 
     /// Speed (rpm) and frequency (Hz) of each.
-    pub(super) fn marks(&self) -> Vec<(f64, f64)> {
+    pub fn marks(&self) -> Vec<(f64, f64)> {
         let modes = self.oscillations.iter();
         modes.map(|o| (o.speed, o.frequency)).collect()
     }
 
     /// The drawn lines or marks, in words; `None` without any.
-    pub(super) fn description(&self) -> Option<String> {
+    pub fn description(&self) -> Option<String> {
         let names = match self.names.as_slice() {
             [] => return None,
             [one] => one.clone(),
@@ -96,31 +97,5 @@ impl Natural {
             "natural frequencies of {names}{at}, damping below {:.0} %",
             100.0 * DAMPED
         ))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_speed_gives_lines_and_several_give_marks() {
-        let mut natural = Natural::default();
-        assert_eq!(natural.description(), None);
-        let speed = 100.0 * TAU;
-        natural.push("a[1]", &[50.0, 80.0, 0.0], &[0.01, 0.5, 1.0], &[speed; 3]);
-        assert_eq!(natural.lines(), [("mode 1".to_owned(), 50.0)]);
-        assert_eq!(
-            natural.description().as_deref(),
-            Some("natural frequencies of a[1] at 6000 rpm, damping below 20 %")
-        );
-        natural.push("a[2]", &[55.0], &[0.01], &[-2.0 * speed]);
-        assert!(natural.lines().is_empty());
-        assert_eq!(natural.marks().len(), 2);
-        assert!((natural.marks()[1].0 - 12000.0).abs() < 1e-9);
-        assert_eq!(
-            natural.description().as_deref(),
-            Some("natural frequencies of a[1] to a[2], damping below 20 %")
-        );
     }
 }

@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-6;
 const STEADY: f64 = 0.1;
 
 /// `200 ms`, `0.5 deg`, `2 rev`.
-pub(super) fn extent_text(extent: Extent) -> String {
+pub fn extent_text(extent: Extent) -> String {
     match extent {
         Extent::Time(time) if time < 1e-3 => display_unit("us", 1e-6).text(time),
         Extent::Time(time) if time < 1.0 => display_unit("ms", 1e-3).text(time),
@@ -29,7 +29,7 @@ pub(super) fn extent_text(extent: Extent) -> String {
 }
 
 /// `150 Hz`, `2.5 kHz`, `order 2`.
-pub(super) fn limit_text(limit: Limit) -> String {
+pub fn limit_text(limit: Limit) -> String {
     match limit {
         Limit::Frequency(frequency) if frequency < 1e3 => display_unit("Hz", 1.0).text(frequency),
         Limit::Frequency(frequency) => display_unit("kHz", 1e3).text(frequency),
@@ -38,7 +38,7 @@ pub(super) fn limit_text(limit: Limit) -> String {
 }
 
 /// `4000 rpm` for a speed in turns per second.
-pub(super) fn speed_text(speed: f64) -> String {
+pub fn speed_text(speed: f64) -> String {
     display_unit("rpm", 1.0 / 60.0).text(speed)
 }
 
@@ -67,7 +67,7 @@ fn cycles_a_sample(sampling: Sampling, place: f64) -> f64 {
 }
 
 /// The nearest number with two digits that is less.
-fn two_digits_below(x: f64) -> f64 {
+pub fn two_digits_below(x: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(x)) - 1.0);
     libm::floor(x / power * (1.0 - ROUNDING)) * power
 }
@@ -161,27 +161,5 @@ impl Track {
             .map(f64::abs)
             .filter(|speed| *speed > 0.0 && speed.is_finite())
             .ok_or_else(|| PostError::NoSpeed(self.samples.analysis.clone()))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_said_is_in_the_units_of_the_text() {
-        assert_eq!(extent_text(Extent::Time(2e-4)), "200 us");
-        assert_eq!(extent_text(Extent::Time(0.2)), "200 ms");
-        assert_eq!(extent_text(Extent::Time(2.5)), "2.5 s");
-        assert_eq!(extent_text(Extent::Angle(0.5f64.to_radians())), "0.5 deg");
-        assert_eq!(extent_text(Extent::Angle(2.0 * TAU)), "2 rev");
-        assert_eq!(limit_text(Limit::Frequency(2500.0)), "2.5 kHz");
-        assert_eq!(limit_text(Limit::Order(0.5)), "order 0.5");
-        assert_eq!(speed_text(200.0 / 3.0), "4000 rpm");
-        assert!((two_digits_below(1.0 / 6.0) - 0.16).abs() < 1e-15);
-        // half the sampling rate itself is refused, so the hint is smaller
-        assert!((two_digits_below(0.25) - 0.24).abs() < 1e-15);
-        assert!((two_digits_below(121.0) - 120.0).abs() < 1e-12);
-        assert!((two_digits_below(1.0) - 0.9).abs() < 1e-12);
     }
 }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 /// The samples of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Samples {
+pub struct Samples {
     /// The analysis.
     pub analysis: String,
     /// Time (s); the numbers of the modes for a linear analysis; the frequencies (Hz) of a response.
@@ -29,7 +29,7 @@ pub(super) struct Samples {
 
 /// The derivatives of the places of samples by a parameter (SI).
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Shifts {
+pub struct Shifts {
     /// Those of the times.
     pub time: Vec<f64>,
     /// Those of the cycle angles; empty without a cycle.
@@ -253,7 +253,7 @@ fn parts_apart(labels: &[&str]) -> Option<Vec<String>> {
 }
 
 /// The shortest names that distinguish analyses and channels.
-pub(super) fn distinct_names<'m>(
+pub fn distinct_names<'m>(
     members: impl Iterator<Item = (&'m str, &'m str)> + Clone,
 ) -> Vec<String> {
     if let Some(names) = parts_apart(&members.clone().map(|(_, c)| c).collect::<Vec<_>>()) {
@@ -279,62 +279,4 @@ pub(super) fn distinct_names<'m>(
             (false, false) => format!("{analysis} {channel}"),
         })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn samples(times: &[f64], angles: Option<&[f64]>) -> Samples {
-        Samples {
-            analysis: "a".to_owned(),
-            time: times.to_vec(),
-            angle: angles.map(<[f64]>::to_vec),
-            speed: None,
-            period: None,
-            whole: false,
-            shortened: false,
-            shifts: None,
-        }
-    }
-
-    #[test]
-    fn runs_are_alike_at_equal_angles_or_equal_times() {
-        let a = samples(&[0.0, 1.0, 2.0], Some(&[0.0, 0.5, 1.0]));
-        let slower = samples(&[0.0, 1.1, 2.3], Some(&[0.0, 0.5, 1.0]));
-        assert_eq!(a.differ(&slower), None);
-        let turned = samples(&[0.0, 1.0, 2.0], Some(&[0.0, 0.6, 1.0]));
-        assert_eq!(a.differ(&turned), None);
-        let other = samples(&[0.0, 1.2, 2.0], Some(&[0.0, 0.6, 1.0]));
-        assert_eq!(
-            a.differ(&other).as_deref(),
-            Some("sample 2 at 1.000000 s against 1.200000 s, and at other crank angles")
-        );
-        let short = samples(&[0.0, 1.0], None);
-        assert_eq!(a.differ(&short).as_deref(), Some("3 samples against 2"));
-    }
-
-    #[test]
-    fn names_are_short_and_distinct() {
-        let pairs = |pairs: &[(&'static str, &'static str)]| distinct_names(pairs.iter().copied());
-        assert_eq!(pairs(&[("a", "x[1]"), ("a", "x[2]")]), ["x[1]", "x[2]"]);
-        let paths = [("a", "m[1].force.x"), ("a", "m[2].force.x")];
-        assert_eq!(pairs(&paths), ["m[1]", "m[2]"]);
-        let others = [("a", "m[1].force.x"), ("a", "m[1].force.y")];
-        assert_eq!(pairs(&others), ["m[1].force.x", "m[1].force.y"]);
-        let unlike = [("a", "big.force.x"), ("a", "small.force.x")];
-        assert_eq!(pairs(&unlike), ["big", "small"]);
-        assert_eq!(pairs(&[("a", "x"), ("b", "x")]), ["a", "b"]);
-        assert_eq!(pairs(&[("a", "x"), ("b", "y")]), ["a x", "b y"]);
-        let made = [
-            ("a[1]", "v[1] (a[1] - a[3]) / a[3].v[1]"),
-            ("a[1]", "v[2] (a[1] - a[3]) / a[3].v[2]"),
-        ];
-        assert_eq!(pairs(&made), ["v[1]", "v[2]"]);
-        let other = [("a", "v (a - b)"), ("a", "v (c - b)")];
-        assert_eq!(pairs(&other), ["a", "c"]);
-        // labels of different forms do not change
-        let unlike = [("a", "v (a - b)"), ("a", "v - w - z")];
-        assert_eq!(pairs(&unlike), ["v (a - b)", "v - w - z"]);
-    }
 }

@@ -7,7 +7,7 @@ mod hand_over;
 mod inspection;
 mod plausibility;
 mod request;
-mod table;
+pub(crate) mod table;
 
 pub use hand_over::{BodyFile, BodyFormat, HandOverError};
 pub(crate) use inspection::Inspections;

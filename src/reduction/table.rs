@@ -226,8 +226,9 @@ impl Reduction {
 
 /// A unit to show a quantity in.
 #[derive(Clone, Copy)]
-struct Unit {
-    symbol: &'static str,
+pub struct Unit {
+    /// Its symbol.
+    pub symbol: &'static str,
     /// In SI.
     size: f64,
 }
@@ -235,8 +236,10 @@ struct Unit {
 /// Units of a quantity, large ones first, each with the least value that is shown in it.
 type Units = [(f64, &'static str, f64)];
 
-const LENGTHS: &Units = &[(20.0, "m", 1.0), (1e-4, "mm", 1e-3), (0.0, "µm", 1e-6)];
-const MASSES: &Units = &[
+/// Units of lengths.
+pub const LENGTHS: &Units = &[(20.0, "m", 1.0), (1e-4, "mm", 1e-3), (0.0, "µm", 1e-6)];
+/// Units of masses.
+pub const MASSES: &Units = &[
     (1e5, "t", 1e3),
     (0.1, "kg", 1.0),
     (1e-4, "g", 1e-3),
@@ -249,7 +252,8 @@ const INERTIAS: &Units = &[
 ];
 
 impl Unit {
-    fn for_size(units: &'static Units, size: f64) -> Unit {
+    /// The unit in which a value of this size (SI) is easy to read.
+    pub fn for_size(units: &'static Units, size: f64) -> Unit {
         let fits = units.iter().find(|(least, ..)| size >= *least);
         // NaN has the smallest
         let (_, symbol, size) = fits.or(units.last()).copied().unwrap_or((0.0, "", 1.0));
@@ -267,7 +271,7 @@ fn without_rounding(value: f64, whole: f64) -> f64 {
 }
 
 /// Mass, centre and inertia in a line. `size` (m) is about the body's.
-fn properties(body: &BodyMass, size: f64) -> String {
+pub fn properties(body: &BodyMass, size: f64) -> String {
     let mass = Unit::for_size(MASSES, body.mass);
     let length = Unit::for_size(LENGTHS, size);
     let [x, y, z] = body
@@ -293,7 +297,7 @@ fn properties(body: &BodyMass, size: f64) -> String {
 }
 
 /// The mass and centre that the file of the mesh states, and their differences from those of the body. `size` (m) is about the body's.
-fn weight_check(check: &WeightCheck, body: &BodyMass, size: f64) -> String {
+pub fn weight_check(check: &WeightCheck, body: &BodyMass, size: f64) -> String {
     let mass = Unit::for_size(MASSES, check.mass);
     let length = Unit::for_size(LENGTHS, size);
     let (file, line) = &check.place;
@@ -320,59 +324,4 @@ fn weight_check(check: &WeightCheck, body: &BodyMass, size: f64) -> String {
         );
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn small_and_large_bodies_are_readable() {
-        let body = |mass: f64, length: f64| BodyMass {
-            mass,
-            centre: [-1e-13 * length, 0.25 * length, -0.0],
-            inertia: [
-                [mass * length * length, -1e-14 * mass * length * length, 0.0],
-                [0.0, mass * length * length, 0.02 * mass * length * length],
-                [0.0, 0.0, 1e-3 * mass * length * length],
-            ],
-        };
-        assert_eq!(
-            properties(&body(2e-5, 3e-3), 3e-3),
-            "mass 20.00000 mg, centre (0, 0.750000, 0) mm, inertia about it xx 0.180000, yy 0.180000, zz 0.000180000, xy 0, yz 0.00360000, zx 0 g mm²"
-        );
-        assert_eq!(
-            properties(&body(31.25, 0.4), 0.4),
-            "mass 31.25000 kg, centre (0, 100.000, 0) mm, inertia about it xx 5.00000, yy 5.00000, zz 0.00500000, xy 0, yz 0.100000, zx 0 kg m²"
-        );
-        assert_eq!(
-            properties(&body(4e6, 60.0), 60.0),
-            "mass 4000.000 t, centre (0, 15.0000, 0) m, inertia about it xx 1.44000e10, yy 1.44000e10, zz 14400000, xy 0, yz 288000000, zx 0 kg m²"
-        );
-    }
-
-    #[test]
-    fn the_weight_check_stands_beside_the_mass() {
-        let check = WeightCheck {
-            mass: 2.0,
-            centre: Some([0.0, 0.1, 0.0]),
-            place: ("rod.bdf".into(), 7),
-        };
-        let body = BodyMass {
-            mass: 2.01,
-            centre: [0.0, 0.1, 0.002],
-            inertia: [[0.0; 3]; 3],
-        };
-        assert_eq!(
-            weight_check(&check, &body, 0.1),
-            "weight check in rod.bdf:7: mass 2.000000 kg (Eng: +0.5000 %), centre (0, 100.000, 0) mm (Eng: 2 mm away)"
-        );
-    }
-
-    #[test]
-    fn a_body_of_no_size_has_the_smallest_unit() {
-        assert_eq!(Unit::for_size(LENGTHS, f64::NAN).symbol, "µm");
-        assert_eq!(Unit::for_size(LENGTHS, 0.0).symbol, "µm");
-        assert_eq!(Unit::for_size(MASSES, 0.1).symbol, "kg");
-    }
 }

@@ -15,10 +15,12 @@ const CUT: &str = "…";
 
 /// A text with its long lines cut. Messages name places of the whole text.
 #[derive(Debug)]
-pub(super) struct Excerpt<'a> {
-    name: Cow<'a, str>,
+pub struct Excerpt<'a> {
+    /// Its name, with control characters escaped.
+    pub name: Cow<'a, str>,
     whole: &'a str,
-    shown: String,
+    /// The shown text.
+    pub shown: String,
     /// The kept parts, in order: first byte in the whole text, number of bytes, first byte in the shown text.
     kept: Vec<(usize, usize, usize)>,
     /// First bytes of the lines of the shown text.
@@ -142,7 +144,7 @@ impl<'a> Excerpt<'a> {
     }
 
     /// The place in the whole text for a place of the shown text.
-    fn original(&self, shown: usize) -> usize {
+    pub fn original(&self, shown: usize) -> usize {
         let after = self.kept.partition_point(|(_, _, at)| *at <= shown);
         match after.checked_sub(1).and_then(|i| self.kept.get(i)) {
             Some((first, length, at)) => first + (shown - at).min(*length),
@@ -153,7 +155,7 @@ impl<'a> Excerpt<'a> {
 
 /// The texts of one message.
 #[derive(Debug, Default)]
-pub(super) struct Excerpts<'a>(pub Vec<Excerpt<'a>>);
+pub struct Excerpts<'a>(pub Vec<Excerpt<'a>>);
 
 impl<'a> Files<'a> for Excerpts<'_> {
     type FileId = usize;
@@ -201,68 +203,5 @@ impl<'a> Files<'a> for Excerpts<'_> {
             .unwrap_or_default();
         let line = before.rsplit('\n').next().unwrap_or_default();
         Ok(line.chars().count() + 1)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn short_lines_stay_and_long_ones_are_cut_around_places() {
-        let long = format!("let a = {}HERE{}\n", "x + ".repeat(500), " + y".repeat(500));
-        let text = format!("first\n{long}last\n");
-        let at = text.find("HERE").unwrap();
-        let place = at..at + 4;
-        let excerpts = Excerpts(vec![Excerpt::new("a.eng", &text, &[place])]);
-        let shown = excerpts.source(0).unwrap();
-        assert!(shown.starts_with("first\nlet a = x + "), "{shown}");
-        assert!(shown.ends_with("…\nlast\n"), "{shown}");
-        assert!(shown.chars().count() < 400, "{}", shown.len());
-        let place = excerpts.0[0].place(at);
-        assert_eq!(&shown[place..place + 4], "HERE");
-        let line = excerpts.line_index(0, place).unwrap();
-        assert_eq!(line, 1);
-        let range = excerpts.line_range(0, line).unwrap();
-        assert!(shown[range].contains("HERE"));
-        // the column counts in the whole text
-        let column = text[..at].rsplit('\n').next().unwrap().chars().count() + 1;
-        assert_eq!(excerpts.column_number(0, line, place).unwrap(), column);
-        assert_eq!(
-            excerpts.line_index(0, shown.find("last").unwrap()).unwrap(),
-            2
-        );
-    }
-
-    #[test]
-    fn control_characters_are_escaped_and_places_stay() {
-        let text = "let a = x // \u{1b}[31m\u{9b}\r\nlet b = \u{202e}HERE";
-        let at = text.find("HERE").unwrap();
-        let place = at..at + 4;
-        let excerpt = Excerpt::new("\u{7}.eng", text, &[place]);
-        assert_eq!(
-            excerpt.shown,
-            "let a = x // \\u{1b}[31m\\u{9b}\r\nlet b = \\u{202e}HERE"
-        );
-        assert_eq!(excerpt.name, "\\u{7}.eng");
-        let place = excerpt.place(at);
-        assert_eq!(&excerpt.shown[place..], "HERE");
-        assert_eq!(excerpt.original(place), at);
-        let excerpts = Excerpts(vec![excerpt]);
-        assert_eq!(excerpts.line_index(0, place).unwrap(), 1);
-        assert_eq!(excerpts.column_number(0, 1, place).unwrap(), 10);
-    }
-
-    #[test]
-    fn letters_of_several_bytes_are_not_cut_apart() {
-        let text = "µ".repeat(1000);
-        for at in [0, 2, 500, 1998, 2000] {
-            let place = at..at;
-            let excerpt = Excerpt::new("a.eng", &text, &[place]);
-            assert!(excerpt.shown.chars().all(|c| c == 'µ' || c == '…'));
-            let place = excerpt.place(at);
-            assert!(excerpt.shown.is_char_boundary(place));
-            assert_eq!(excerpt.original(place), at);
-        }
     }
 }

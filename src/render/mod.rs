@@ -2,10 +2,10 @@
 //!
 //! This module contains the form of messages. It makes no messages and prints nothing.
 
-mod excerpt;
+pub(crate) mod excerpt;
 mod human;
 mod json;
-mod visible;
+pub(crate) mod visible;
 
 pub use human::{Colors, human};
 pub(crate) use json::text;

@@ -19,7 +19,7 @@ pub(crate) fn shown(c: char) -> String {
 }
 
 /// A text with all such characters escaped.
-pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+pub fn visible(text: &str) -> Cow<'_, str> {
     with(text, shown)
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn visible_name(text: &str) -> String {
 }
 
 /// The text of a JSON document, with JSON escapes for characters that the writer of JSON does not escape.
-pub(super) fn visible_json(text: &str) -> Cow<'_, str> {
+pub fn visible_json(text: &str) -> Cow<'_, str> {
     with(text, |c| {
         let mut escaped = String::new();
         for unit in c.encode_utf16(&mut [0; 2]) {
@@ -53,19 +53,4 @@ fn with(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
         }
     }
     Cow::Owned(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_acts_is_shown_and_all_else_stays() {
-        assert_eq!(visible("a\tb\nµ…°"), "a\tb\nµ…°");
-        assert_eq!(
-            visible("\u{1b}[31m\u{9b}0m\r\u{7}\u{202e}"),
-            r"\u{1b}[31m\u{9b}0m\u{d}\u{7}\u{202e}"
-        );
-        assert_eq!(visible_json("\u{9b}\u{202e}"), r"\u009b\u202e");
-    }
 }

@@ -34,9 +34,12 @@ pub(super) struct Shell<'e> {
 
 /// The films of an analysis, the bodies that carry them, and a sentence for each fact that a reader needs.
 #[derive(Default)]
-pub(super) struct Pictured {
+pub struct Pictured {
+    /// The films.
     pub films: Films,
+    /// Paths of the bodies that carry them.
     pub shells: Vec<String>,
+    /// The sentences.
     pub notes: Vec<String>,
 }
 
@@ -93,7 +96,7 @@ pub(super) fn shells<'e>(
 
 /// Nodes in the middles of the cells around, and across in the middles and at both edges; all triangles between
 /// them; and the direction away from the axis at each node.
-fn cylinder(grid: &FieldGrid, shell: &MarkerAxes, place: [f64; 3]) -> (Surface, Vec<[f64; 3]>) {
+pub fn cylinder(grid: &FieldGrid, shell: &MarkerAxes, place: [f64; 3]) -> (Surface, Vec<[f64; 3]>) {
     let [around, middles] = grid.middles();
     let edges = [grid.across.first(), grid.across.last()];
     let [low, high] = edges.map(|edge| edge.copied().unwrap_or_default());
@@ -128,7 +131,7 @@ fn cylinder(grid: &FieldGrid, shell: &MarkerAxes, place: [f64; 3]) -> (Surface, 
 
 /// Numbers at the nodes from those of the cells: at the edges on the straight line through the last two cells, not
 /// below `least` if the last cell is not.
-fn at_nodes(grid: &FieldGrid, cells: &[f64], least: f64) -> Vec<f64> {
+pub fn at_nodes(grid: &FieldGrid, cells: &[f64], least: f64) -> Vec<f64> {
     let [_, middles] = grid.middles();
     let ends = [grid.across.first(), grid.across.last()];
     let [low, high] = ends.map(|end| end.copied().unwrap_or_default());
@@ -184,7 +187,7 @@ impl Shell<'_> {
 }
 
 /// The films of an analysis as hills of pressure. All of them take about `budget` bytes of a page.
-pub(super) fn films(
+pub fn films(
     entry: &Entry,
     motion: &Results,
     budget: usize,
@@ -247,171 +250,4 @@ pub(super) fn films(
         ));
     }
     Ok(pictured)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A shell of 20 mm radius, 8 mm wide, of four cells around and two across, on a marker turned by 90° about x
-    /// and 100 mm from the body's origin.
-    fn surface() -> (FieldGrid, Surface, Vec<[f64; 3]>) {
-        let quarter = std::f64::consts::FRAC_PI_2;
-        let grid = FieldGrid {
-            radius: 0.02,
-            around: (0..=4).map(|i| quarter * (f64::from(i) - 0.5)).collect(),
-            across: vec![-4e-3, 0.0, 4e-3],
-            openings: Vec::new(),
-        };
-        let shell = MarkerAxes {
-            marker: "block.bore".to_owned(),
-            body: None,
-            // x stays, y → z, z → −y
-            orientation: [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0],
-            place: Some([0.1, 0.0, 0.0]),
-        };
-        let (surface, outward) = cylinder(&grid, &shell, [0.1, 0.0, 0.0]);
-        (grid, surface, outward)
-    }
-
-    #[test]
-    fn nodes_lie_on_the_shell_and_outward_leads_away_from_its_axis() {
-        let (_, surface, outward) = surface();
-        let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-15);
-        // four nodes across: both edges and two middles; z across is −y of the body
-        assert_eq!((surface.nodes.len(), surface.triangles.len()), (16, 24));
-        assert!(
-            near(surface.nodes[0], [0.12, 4e-3, 0.0]),
-            "{:?}",
-            surface.nodes[0]
-        );
-        assert!(near(surface.nodes[1], [0.12, 2e-3, 0.0]));
-        assert!(near(surface.nodes[7], [0.1, -4e-3, 0.02]));
-        assert!(near(outward[0], [1.0, 0.0, 0.0]) && near(outward[7], [0.0, 0.0, 1.0]));
-        // the triangles have the area of the prism inscribed to the cylinder, counterclockwise from outside
-        let area: f64 = (surface.triangles.iter())
-            .map(|t| {
-                let [a, b, c] =
-                    t.map(|n| eng_runtime::rotation::V3::from(surface.nodes[n as usize]));
-                let normal = (b - a).cross(&(c - a)) / 2.0;
-                let out = eng_runtime::rotation::V3::from(outward[t[0] as usize]);
-                normal.norm() * normal.dot(&out).signum()
-            })
-            .sum();
-        assert!(
-            (area - 4.0 * 0.02 * 2f64.sqrt() * 8e-3).abs() < 1e-12,
-            "{area}"
-        );
-    }
-
-    #[test]
-    fn edges_continue_the_last_two_cells() {
-        let (grid, surface, outward) = surface();
-        let values = at_nodes(&grid, &[3.0, 1.0, 2.0, 2.0, 0.0, 8.0, 0.1, 0.4], 0.0);
-        assert_eq!(values.len(), surface.nodes.len());
-        assert_eq!(outward.len(), values.len());
-        assert_eq!(values[..4], [4.0, 3.0, 1.0, 0.0]);
-        assert_eq!(values[4..8], [2.0; 4]);
-        // not below zero, and beyond the highest cell above it
-        assert_eq!(values[8..12], [0.0, 0.0, 8.0, 12.0]);
-    }
-
-    /// A shell that turns about a pin at rest, on a marker beside the body's origin.
-    const TURNING: &str = "
-        use std.journals.{Film, axial_groove}
-        use std.joints.{Fixed, Revolute}
-        use std.drives.PrescribedRotation
-        model Turning {
-            gravity = [0, 0, 0] m/s^2
-            marker axis = at([5, 8, 7] mm, z: [0, 1, 0], x: [0, 0, 1])
-            body pin {
-                mass = 1 kg
-                inertia = [1, 1, 1] g*m^2
-                marker foot = origin
-                marker neck = at([0.012, -0.005, 3] mm, z: [4e-4, -2e-4, 1])
-            }
-            body shell {
-                mass = 1 kg
-                inertia = [1, 1, 1] g*m^2
-                marker bore = at([20, -30, 40] mm, z: [0, 1, 0], x: [0, 0, 1])
-            }
-            joint weld = Fixed(pin.foot, axis)
-            joint hold = Revolute(shell.bore, axis)
-            drive turn = PrescribedRotation(shell.bore, axis, speed: 300 rad/s)
-            journal film = Film(pin.neck, shell.bore, diameter: 54 mm, width: 24 mm, radial_clearance: 27 um,
-                viscosity: 8 mPa*s, around: 72, across: 13)
-        }
-        analysis run = transient(Turning(), duration: 5 ms, sample: 0.5 ms)";
-
-    /// The pressures of the hills, summed over the surface along the outward directions, are the force of the
-    /// results: an independent route through places, axes, moments and units.
-    #[test]
-    fn hills_carry_the_force_of_the_journal() {
-        use crate::report::Described;
-        let sources = crate::Sources::from_text("m.eng", TURNING);
-        let program = crate::check(&sources, "m.eng").into_program().unwrap();
-        let analysis = program.analysis("run").unwrap();
-        let outcome = analysis.run(&mut |_| {}).unwrap();
-        let described = Described::new(analysis, outcome.results.metadata()).unwrap();
-        let motion = outcome.motion.clone();
-        let entry = Entry::new(outcome.results, Some(motion.clone()), described, Vec::new());
-        let (times, _) = crate::motion::moments(&motion);
-        let drawn = films(&entry, &motion, 100_000, (&times, &[])).unwrap();
-        assert_eq!((drawn.films.surfaces.len(), drawn.shells.len()), (1, 1));
-        assert_eq!(
-            (drawn.films.unit.as_str(), drawn.shells[0].as_str()),
-            ("MPa", "shell")
-        );
-        assert_eq!(drawn.films.height, 0.5 * 0.027);
-        let film = &drawn.films.surfaces[0];
-        assert!(film.moments.len() > 5 && film.poses.len() == times.len());
-        // trapezia across, equal parts around
-        let (columns, rows) = (72, 15);
-        let height = |row: usize| film.surface.nodes[row][1];
-        let width = |row: usize| {
-            let after = height((row + 1).min(rows - 1));
-            (after - height(row.max(1) - 1)) / 2.0
-        };
-        let arc = std::f64::consts::TAU * 0.027 / columns as f64;
-        let force = |axis: &str| {
-            entry
-                .outcome
-                .results
-                .column(&format!("film.force.{axis}"))
-                .unwrap()
-        };
-        for (moment, pressures) in film.moments.iter().zip(&film.pressures) {
-            let mut sum = [0.0; 3];
-            for (node, (pressure, outward)) in pressures.iter().zip(&film.outward).enumerate() {
-                let area = width(node % rows) * arc;
-                for (sum, n) in sum.iter_mut().zip(outward) {
-                    *sum += 1e6 * pressure * area * n;
-                }
-            }
-            // the shell's x is z of its body, its y is x; the pin feels the reverse
-            let found = [-sum[2], -sum[0]];
-            let time = times[*moment];
-            let recorded = entry.outcome.results.column("time").unwrap();
-            let sample = recorded
-                .values
-                .iter()
-                .position(|t| (t - time).abs() < 1e-12)
-                .unwrap();
-            let due = ["x", "y"].map(|axis| force(axis).values[sample]);
-            let size = libm::hypot(due[0], due[1]);
-            let off = libm::hypot(found[0] - due[0], found[1] - due[1]);
-            assert!(
-                size > 100.0 && off < 0.01 * size,
-                "{time}: {found:?} {due:?}"
-            );
-        }
-        assert!(
-            drawn
-                .notes
-                .iter()
-                .any(|note| note.contains("is 13.5 mm high")),
-            "{:?}",
-            drawn.notes
-        );
-    }
 }

@@ -33,7 +33,7 @@ pub(super) fn add_turns(entry: &Entry, results: &mut Results) -> Result<(), Resu
 /// Angle (°) from the shell's x axis to the pin's, about the shell's z, at each of `times` (s). It is unwrapped,
 /// and linear between the samples of the motion. Deflections of flexible bodies turn their markers by less than
 /// a degree and are left out. `None` if the motion has fewer than two samples or does not cover the times.
-fn turn(
+pub fn turn(
     motion: &Results,
     pin: &MarkerAxes,
     shell: &MarkerAxes,
@@ -93,68 +93,4 @@ fn orientations(
             std::array::from_fn(|i| turned[(i / 3, i % 3)])
         })
         .collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A body that turns about z by `angle(time)` (rad).
-    fn turning(times: &[f64], angle: impl Fn(f64) -> f64) -> Results {
-        let mut motion = Results::new("a.motion", "M");
-        motion.push(Column::time(times.to_vec())).unwrap();
-        let mut push = |name: &str, values: Vec<f64>| {
-            motion
-                .push(Column {
-                    path: format!("crank.{name}"),
-                    dimension: Dimension::ONE,
-                    display: DisplayUnit::si(Dimension::ONE),
-                    frame: String::new(),
-                    values,
-                })
-                .unwrap();
-        };
-        let all = |f: &dyn Fn(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<f64>>();
-        for axis in ["x", "y", "z"] {
-            push(&format!("position.{axis}"), all(&|_| 0.0));
-        }
-        push("orientation.w", all(&|t| libm::cos(angle(t) / 2.0)));
-        push("orientation.x", all(&|_| 0.0));
-        push("orientation.y", all(&|_| 0.0));
-        push("orientation.z", all(&|t| libm::sin(angle(t) / 2.0)));
-        motion
-    }
-
-    const HOME: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-
-    fn marker(body: Option<&str>, orientation: [f64; 9]) -> MarkerAxes {
-        MarkerAxes {
-            marker: "crank.main".to_owned(),
-            body: body.map(str::to_owned),
-            orientation,
-            place: None,
-        }
-    }
-
-    #[test]
-    fn a_pin_turns_as_its_body_does_over_many_turns() {
-        // 10 revolutions a second, ten samples a revolution
-        let times: Vec<f64> = (0..=30).map(|i| f64::from(i) * 0.01).collect();
-        let motion = turning(&times, |t| 20.0 * std::f64::consts::PI * t);
-        let asked: Vec<f64> = (0..=300).map(|i| f64::from(i) * 0.001).collect();
-        let (pin, shell) = (marker(Some("crank"), HOME), marker(None, HOME));
-        let found = turn(&motion, &pin, &shell, &asked).unwrap().unwrap();
-        for (time, angle) in asked.iter().zip(&found) {
-            assert!((angle - 3600.0 * time).abs() < 1e-9, "{time}: {angle}");
-        }
-        // a shell whose x is the ground's y: 90° less
-        let turned = [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-        let found = turn(&motion, &pin, &marker(None, turned), &asked)
-            .unwrap()
-            .unwrap();
-        assert!((found[0] + 90.0).abs() < 1e-9);
-        // times that the motion does not reach, and bodies that it does not know
-        assert_eq!(turn(&motion, &pin, &shell, &[0.31]).unwrap(), None);
-        assert!(turn(&motion, &marker(Some("rod"), HOME), &shell, &asked).is_err());
-    }
 }

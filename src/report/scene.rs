@@ -36,7 +36,8 @@ const BYTES: usize = 9;
 
 /// The animation of an analysis, with notes and warnings.
 #[derive(Clone, Debug)]
-pub(super) struct Scene {
+pub struct Scene {
+    /// The bodies and films with their motion.
     pub animation: Animation,
     /// Flexible bodies held on the ground. They hide the parts that move inside them.
     pub held: Vec<String>,
@@ -52,7 +53,7 @@ pub(super) struct Scene {
 
 /// The scene of an analysis with a motion. Pictures of flexible bodies take at most about `budget` bytes of a page. The scene
 /// shows stresses at the moments `at`, at the moment of each body's largest stress, and as an envelope.
-pub(super) fn scene(
+pub fn scene(
     entry: &Entry,
     motion: &Results,
     budget: usize,
@@ -300,7 +301,7 @@ impl Scene {
 }
 
 /// The largest of 1, 2 and 5 times a power of ten that is not larger.
-fn round(x: f64) -> f64 {
+pub fn round(x: f64) -> f64 {
     if !(x > 0.0 && x.is_finite()) {
         return 1.0;
     }
@@ -505,184 +506,4 @@ fn moving(stored: &StoredBody, nodes: &[u32], amplitudes: &[Vec<f64>]) -> Vec<us
     (0..reach.len())
         .filter(|mode| reach.get(*mode).is_some_and(|r| *r > MOVES * largest))
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scales_are_round_numbers() {
-        assert_eq!(
-            [999.0, 200.0, 7.0, 0.3].map(round),
-            [500.0, 200.0, 5.0, 0.2]
-        );
-        assert_eq!(round(f64::NAN), 1.0);
-    }
-
-    /// A bar that is thrown and bent: no axis and no mode stands still.
-    const THROWN: &str = "
-        force Push(a: Marker, b: Marker, x: Force) { apply force x*b.x on a }
-        model Thrown {
-            gravity = [0, -9.81, 0] m/s^2
-            marker wall = [0, 0, 0] mm
-            flexible bar {
-                mesh = nastran(\"bar.bdf\", units: mm_tonne_s)
-                modes = static(at: [foot, tip], freedoms: [x, y]) + normal(3)
-                damping = 5 %
-                marker foot = patch(center: [0, 0, 0] mm, normal: z, radius: 15 mm)
-                marker tip = patch(center: [0, 0, 200] mm, normal: z, radius: 15 mm)
-                start angular_velocity = [40, 90, 30] rad/s
-            }
-            force load = Push(bar.tip, wall, x: 1000 N)
-        }
-        analysis throw = transient(Thrown(), duration: 4 ms, sample: 0.5 ms, start: assembled)";
-
-    /// The numbers of an accessor of a binary glTF file.
-    fn numbers(glb: &[u8], document: &serde_json::Value, accessor: &serde_json::Value) -> Vec<f64> {
-        let json = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
-        let accessor = &document["accessors"][accessor.as_u64().unwrap() as usize];
-        let view = &document["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
-        let from = 28 + json + view["byteOffset"].as_u64().unwrap() as usize;
-        let length = view["byteLength"].as_u64().unwrap() as usize;
-        glb[from..from + length]
-            .chunks_exact(4)
-            .map(|bytes| f64::from(f32::from_le_bytes(bytes.try_into().unwrap())))
-            .collect()
-    }
-
-    /// At each time a node of the glTF file, moved by targets and weights and placed by its node's track, is
-    /// where recovery finds it, its displacement multiplied by the scale: x = r + A (s + scale Φ a).
-    #[test]
-    fn the_gltf_file_shows_the_motion_that_recovery_finds() {
-        use crate::report::Described;
-        use crate::{Sources, motion::BodyMotion};
-        use eng_flexible::recover::{Amplitudes, FrameMotion, Recovery};
-
-        let sources = Sources::from_texts([
-            ("bar.eng".to_owned(), THROWN.to_owned()),
-            (
-                "bar.bdf".to_owned(),
-                include_str!("../../tests/mesh/bar.bdf").to_owned(),
-            ),
-        ]);
-        let program = crate::check(&sources, "bar.eng").into_program().unwrap();
-        let analysis = program.analysis("throw").unwrap();
-        let outcome = analysis.run(&mut |_| {}).unwrap();
-        let described = Described::new(analysis, outcome.results.metadata()).unwrap();
-        let Matter::Flexible(reduction) = described.bodies[0].matter.clone() else {
-            panic!("the bar is flexible");
-        };
-        let motion = outcome.motion.clone();
-        let entry = Entry::new(outcome.results, Some(motion.clone()), described, Vec::new());
-        let made = scene(&entry, &motion, 5_000_000, &[]).unwrap();
-        let glb = made.animation.to_glb().unwrap();
-        let json = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
-        let document: serde_json::Value = serde_json::from_slice(&glb[20..20 + json]).unwrap();
-
-        // the contents of the file
-        let mesh = &document["meshes"][0];
-        let primitive = &mesh["primitives"][0];
-        let base = numbers(&glb, &document, &primitive["attributes"]["POSITION"]);
-        let targets: Vec<Vec<f64>> = primitive["targets"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|target| numbers(&glb, &document, &target["POSITION"]))
-            .collect();
-        let modes: Vec<usize> = mesh["extras"]["targetNames"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|name| {
-                let name = name.as_str().unwrap().strip_prefix("mode ").unwrap();
-                name.split(',').next().unwrap().parse::<usize>().unwrap() - 1
-            })
-            .collect();
-        let track = |path: &str| {
-            let channels = document["animations"][0]["channels"].as_array().unwrap();
-            let channel = channels
-                .iter()
-                .find(|c| c["target"]["path"] == path && c["target"]["node"] == 0)
-                .unwrap();
-            let sampler = channel["sampler"].as_u64().unwrap() as usize;
-            let sampler = &document["animations"][0]["samplers"][sampler];
-            numbers(&glb, &document, &sampler["output"])
-        };
-        let (weights, places, turns) = (track("weights"), track("translation"), track("rotation"));
-        let scale = document["scenes"][0]["extras"]["deformation_scale"]
-            .as_f64()
-            .unwrap();
-        assert!(scale >= 2.0 && modes.len() >= 5, "{scale} {modes:?}");
-
-        // the results of recovery
-        let own = BodyMotion::of(&motion, "bar").unwrap();
-        let stored = &reduction.stored;
-        let nodes: Vec<u32> = base
-            .chunks_exact(3)
-            .map(|place| {
-                let same = |n: &eng_flexible::mesh::Node| {
-                    n.position
-                        .iter()
-                        .zip(place)
-                        .all(|(a, b)| f64::from(*a as f32) == *b)
-                };
-                stored.mesh.nodes.iter().position(same).unwrap() as u32
-            })
-            .collect();
-        let recovery = Recovery::of_stored(stored).unwrap();
-        let shapes = recovery.nodes(&nodes).unwrap();
-        let still = vec![0.0; recovery.modes()];
-        assert_eq!(own.amplitudes.len(), 9);
-        let mut largest = 0.0f64;
-        for (time, amplitudes) in own.amplitudes.iter().enumerate() {
-            let kept: Vec<f64> = amplitudes
-                .iter()
-                .enumerate()
-                .map(|(mode, a)| if modes.contains(&mode) { *a } else { 0.0 })
-                .collect();
-            let rotation = eng_runtime::rotation::matrix(&own.orientations[time]);
-            let frame = FrameMotion {
-                position: own.positions[time],
-                rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)])),
-                ..FrameMotion::REST
-            };
-            let amplitudes = Amplitudes {
-                value: &kept,
-                rate: &still,
-                second: &still,
-            };
-            let found = shapes.motion(&frame, &amplitudes).unwrap();
-            // the quaternion of the file: x, y, z, w
-            let q = &turns[4 * time..4 * time + 4];
-            let axis = [q[0], q[1], q[2]];
-            let cross = |a: [f64; 3], b: [f64; 3]| {
-                [
-                    a[1] * b[2] - a[2] * b[1],
-                    a[2] * b[0] - a[0] * b[2],
-                    a[0] * b[1] - a[1] * b[0],
-                ]
-            };
-            for (node, found) in found.iter().enumerate() {
-                let local = [0, 1, 2].map(|i| {
-                    let at = 3 * node + i;
-                    let weight = |mode: usize| weights[time * targets.len() + mode];
-                    let moved = (0..targets.len()).map(|mode| weight(mode) * targets[mode][at]);
-                    base[at] + moved.sum::<f64>()
-                });
-                // p + 2 w (v × p) + 2 v × (v × p)
-                let once = cross(axis, local);
-                let twice = cross(axis, once);
-                for i in 0..3 {
-                    let shown = places[3 * time + i] + local[i] + 2.0 * (q[3] * once[i] + twice[i]);
-                    let moved = found.displacement.inertial[i];
-                    let due = found.position[i] + (scale - 1.0) * moved;
-                    largest = largest.max(scale * moved.abs());
-                    assert!((shown - due).abs() < 2e-7, "{time} {node}: {shown} {due}");
-                }
-            }
-        }
-        // displacements that the tolerance would hide show nothing
-        assert!(largest > 1e-3, "{largest}");
-    }
 }

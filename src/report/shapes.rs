@@ -6,7 +6,7 @@ use eng_report::animation::Part;
 /// Bars from the first marker to the others. If all markers are in one place, a cylinder or box with the
 /// body's mass and moments of inertia: `J_axis = m r²/2`, `J_across = m (3r² + h²)/12`, and for a box
 /// `a² = 6 (J_b + J_c − J_a)/m`.
-pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[Spot]) -> Vec<Part> {
+pub fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[Spot]) -> Vec<Part> {
     let between =
         |a: [f64; 3], b: [f64; 3]| libm::sqrt((0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum());
     let mut places: Vec<[f64; 3]> = Vec::new();
@@ -65,7 +65,7 @@ pub(super) fn solid(mass: f64, center: [f64; 3], inertia: [f64; 3], markers: &[S
 }
 
 /// A cylinder whose radius is above `larger` (m) as its two rims and four lines along it, so that it hides nothing.
-pub(super) fn outlined(part: Part, larger: f64) -> Vec<Part> {
+pub fn outlined(part: Part, larger: f64) -> Vec<Part> {
     let Part::Cylinder { from, to, radius } = part else {
         return vec![part];
     };
@@ -90,69 +90,4 @@ pub(super) fn outlined(part: Part, larger: f64) -> Vec<Part> {
         points: vec![at(from, side), at(to, side)],
     }));
     lines
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_solid_has_the_bodys_mass_and_inertia() {
-        // a disc of 11 kg: radius 0.15, height 0.02
-        let (mass, radius, height) = (11.0, 0.15, 0.02);
-        let across = mass * (3.0 * radius * radius + height * height) / 12.0;
-        let inertia = [across, across, 0.5 * mass * radius * radius];
-        match solid(mass, [0.0, 0.0, 0.01], inertia, &[]).as_slice() {
-            [
-                Part::Cylinder {
-                    from,
-                    to,
-                    radius: r,
-                },
-            ] => {
-                assert!((r - radius).abs() < 1e-12);
-                assert!((from[2]).abs() < 1e-12 && (to[2] - 0.02).abs() < 1e-12);
-            }
-            other => panic!("{other:?}"),
-        }
-        let [a, b, c] = [0.1, 0.2, 0.3];
-        let box_inertia = [b * b + c * c, a * a + c * c, a * a + b * b].map(|s| s / 12.0);
-        match solid(1.0, [0.0; 3], box_inertia, &[]).as_slice() {
-            [Part::Box { size, .. }] => {
-                assert!(
-                    size.iter()
-                        .zip([a, b, c])
-                        .all(|(x, y)| (x - y).abs() < 1e-12)
-                );
-            }
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn large_discs_are_outlines_of_their_size() {
-        let disc = |radius| Part::Cylinder {
-            from: [0.0, 0.0, -0.01],
-            to: [0.0, 0.0, 0.01],
-            radius,
-        };
-        assert_eq!(outlined(disc(0.05), 0.1), [disc(0.05)]);
-        let lines = outlined(disc(0.15), 0.1);
-        assert_eq!(lines.len(), 6);
-        for line in lines {
-            let Part::Line { points } = line else {
-                panic!("{line:?}");
-            };
-            for [x, y, z] in points {
-                assert!((libm::hypot(x, y) - 0.15).abs() < 1e-12 && z.abs() == 0.01);
-            }
-        }
-        // a bar that lies askew stays a bar
-        let askew = Part::Cylinder {
-            from: [0.0; 3],
-            to: [1.0, 1.0, 0.0],
-            radius: 0.2,
-        };
-        assert_eq!(outlined(askew.clone(), 0.1), [askew]);
-    }
 }

@@ -4,7 +4,7 @@ use eng_system::Dimension;
 use eng_system::dimension::{BASE_SYMBOLS, BASES};
 
 /// The dimension of a text in SI base symbols; `None` if it is not one.
-pub(super) fn parse(text: &str) -> Option<Dimension> {
+pub fn parse(text: &str) -> Option<Dimension> {
     let mut dimension = Dimension::ONE;
     let mut rest = text;
     let mut sign = 1;
@@ -53,35 +53,4 @@ fn parse_factor(factor: &str, sign: i32) -> Option<Dimension> {
         None => (inside.parse::<i32>().ok()?, 1),
     };
     Dimension::base(index).power(numerator.checked_mul(sign)?, denominator)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn reads_what_display_prints(exponents in proptest::array::uniform8((-6i32..=6, 1usize..=4))) {
-            let mut dimension = Dimension::ONE;
-            for (base, (numerator, denominator)) in exponents.into_iter().enumerate() {
-                if let Some(power) = Dimension::base(base).power(numerator, denominator as i32) {
-                    dimension = dimension.times(power);
-                }
-            }
-            prop_assert_eq!(parse(&dimension.to_string()), Some(dimension));
-        }
-
-        #[test]
-        fn never_panics(text in "\\PC{0,12}") {
-            let _ = parse(&text);
-        }
-    }
-
-    #[test]
-    fn refuses_other_texts() {
-        for text in ["", "N", "m^", "m^x", "m*", "m^(1/0)", "m m", "m^2147483648"] {
-            assert_eq!(parse(text), None, "{text}");
-        }
-    }
 }

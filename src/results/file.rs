@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// A folder, a device or a pipe at the path.
-fn target(path: &Path) -> io::Result<PathBuf> {
+pub fn target(path: &Path) -> io::Result<PathBuf> {
     match regular(path) {
         // a link without a target is replaced; the creation of the folder reports a file in its place
         Err(error)
@@ -51,7 +51,7 @@ pub(super) fn make_folder(folder: &Path) -> io::Result<()> {
 
 /// Refuses a link. Otherwise anyone who can put a link into the folder of results could choose the
 /// overwritten file.
-pub(super) fn refuse_link(path: &Path) -> io::Result<()> {
+pub fn refuse_link(path: &Path) -> io::Result<()> {
     match std::fs::symlink_metadata(path) {
         Ok(found) if found.is_symlink() => Err(io::Error::new(
             io::ErrorKind::InvalidInput,
@@ -176,80 +176,5 @@ pub fn file_stem(analysis: &str) -> String {
         "analysis".to_owned()
     } else {
         stem
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::io::Write;
-
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("eng-file-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
-        folder
-    }
-
-    #[test]
-    fn leftovers_of_one_path_are_removed() {
-        let folder = folder("leftovers");
-        std::fs::create_dir_all(&folder).unwrap();
-        let names = [
-            ".a.txt.12-0.part",
-            ".a.txt.x.part",
-            ".b.txt.12-0.part",
-            "a.txt",
-        ];
-        for name in names {
-            std::fs::write(folder.join(name), name).unwrap();
-        }
-        remove_leftovers(&folder.join("a.txt"));
-        let left = names.map(|name| folder.join(name).exists());
-        assert_eq!(left, [false, true, true, true]);
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[test]
-    fn keeps_the_old_content_when_writing_fails() {
-        let folder = folder("keeps");
-        let path = folder.join("a.txt");
-        replace_file(&path, |f| f.write_all(b"old")).unwrap();
-        let failed = replace_file(&path, |f| {
-            f.write_all(b"ne")?;
-            Err(io::Error::other("disk full"))
-        });
-        assert_eq!(failed.unwrap_err().to_string(), "disk full");
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
-        replace_file(&path, |f| f.write_all(b"new")).unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[test]
-    fn stems_are_file_names() {
-        assert_eq!(file_stem("sweep[3]"), "sweep[3]");
-        assert_eq!(file_stem("a/b:c"), "a_b_c");
-        assert_eq!(file_stem(".."), "analysis");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_are_followed_and_devices_refused() {
-        let folder = std::env::temp_dir().join(format!("eng-links-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let (file, link) = (folder.join("file"), folder.join("link"));
-        std::fs::write(&file, "old").unwrap();
-        std::os::unix::fs::symlink(&file, &link).unwrap();
-        let put = |path: &Path| replace_file(path, |out| io::Write::write_all(out, b"new"));
-        put(&link).unwrap();
-        assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(std::fs::read(&file).unwrap(), b"new");
-        assert!(target(Path::new("/dev/null")).is_err());
-        assert!(crate::regular::open(Path::new("/dev/null")).is_err());
-        assert!(crate::regular::open(&link).is_ok());
-        assert!(refuse_link(&link).is_err());
-        assert!(refuse_link(&file).is_ok() && refuse_link(&folder.join("none")).is_ok());
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

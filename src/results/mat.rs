@@ -12,7 +12,8 @@ use std::path::Path;
 /// Length of the longest name in MATLAB.
 const LONGEST: usize = 63;
 
-const INT8: u32 = 1;
+/// The type of data of bytes.
+pub const INT8: u32 = 1;
 const UINT16: u32 = 4;
 const INT32: u32 = 5;
 const UINT32: u32 = 6;
@@ -81,11 +82,12 @@ impl Results {
     }
 }
 
-const RESERVED: [&str; 4] = ["units", "frames", "paths", "info"];
+/// Names of the arrays beside those of the columns.
+pub const RESERVED: [&str; 4] = ["units", "frames", "paths", "info"];
 
-/// Names that begin with a letter, hold letters, digits and `_`, are of at most [`LONGEST`] characters, and
+/// Names that begin with a letter, hold letters, digits and `_`, are of at most `LONGEST` characters, and
 /// differ.
-fn legal_names<'a>(paths: impl Iterator<Item = &'a str>, reserved: &[&str]) -> Vec<String> {
+pub fn legal_names<'a>(paths: impl Iterator<Item = &'a str>, reserved: &[&str]) -> Vec<String> {
     let mut taken: BTreeSet<String> = reserved.iter().map(|r| (*r).to_owned()).collect();
     paths
         .map(|path| {
@@ -115,8 +117,8 @@ fn legal_names<'a>(paths: impl Iterator<Item = &'a str>, reserved: &[&str]) -> V
         .collect()
 }
 
-/// Text, no subsystem data, version 1, byte order.
-fn header() -> Vec<u8> {
+/// The header of a file: text, no subsystem data, version 1, byte order.
+pub fn header() -> Vec<u8> {
     let text = format!(
         "MATLAB 5.0 MAT-file, written by eng {}",
         env!("CARGO_PKG_VERSION")
@@ -130,7 +132,7 @@ fn header() -> Vec<u8> {
 }
 
 /// A data element: tag, data, padding to eight bytes.
-fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+pub fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     let mut bytes = kind.to_le_bytes().to_vec();
     bytes.extend((data.len() as u32).to_le_bytes());
     bytes.extend(data);
@@ -150,7 +152,8 @@ fn array(class: u32, rows: usize, columns: usize, name: &str) -> Vec<u8> {
     bytes
 }
 
-fn vector(name: &str, values: &[f64]) -> Vec<u8> {
+/// An array of one column of numbers.
+pub fn vector(name: &str, values: &[f64]) -> Vec<u8> {
     let mut bytes = array(CLASS_DOUBLE, values.len(), 1, name);
     let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
     bytes.extend(element(DOUBLE, &data));
@@ -182,39 +185,4 @@ fn structure(name: &str, fields: &[(String, String)]) -> Vec<u8> {
         bytes.extend(text(value));
     }
     element(MATRIX, &bytes)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_legal_and_differ() {
-        let long = "a".repeat(80);
-        let paths = [
-            "main[5].force.x",
-            "main_5.force.x",
-            "units",
-            "2nd",
-            "",
-            &long,
-            &long,
-        ];
-        let names = legal_names(paths.into_iter(), &RESERVED);
-        assert_eq!(
-            names[..5],
-            ["main_5_force_x", "main_5_force_x_2", "units_2", "x2nd", "x"]
-        );
-        assert_eq!((names[5].len(), names[6].len()), (63, 63));
-        assert_ne!(names[5], names[6]);
-    }
-
-    #[test]
-    fn elements_are_padded_and_sized() {
-        assert_eq!(element(INT8, b"abc"), b"\x01\0\0\0\x03\0\0\0abc\0\0\0\0\0");
-        let bytes = vector("v", &[1.0, 2.0]);
-        let size = u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]]);
-        assert_eq!(size as usize + 8, bytes.len());
-        assert_eq!(header().len(), 128);
-    }
 }

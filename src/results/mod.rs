@@ -4,22 +4,22 @@
 
 mod cells;
 mod column;
-mod csv;
-mod dimension_text;
-mod file;
+pub(crate) mod csv;
+pub(crate) mod dimension_text;
+pub(crate) mod file;
 mod gradients;
 mod listing;
-mod mat;
+pub(crate) mod mat;
 mod parquet;
 mod points;
 mod recording;
-mod resume_point;
+pub(crate) mod resume_point;
 mod row_log;
 mod schema;
-mod selection;
-mod stream;
+pub(crate) mod selection;
+pub(crate) mod stream;
 mod table;
-mod universal;
+pub(crate) mod universal;
 
 pub(crate) use cells::{CellColumn, write_cells};
 pub use column::Column;

@@ -104,7 +104,8 @@ impl ResumePoint {
     }
 }
 
-fn parse(bytes: &[u8]) -> Option<ResumePoint> {
+/// The contents of a file; `None` if it is damaged or of another version.
+pub fn parse(bytes: &[u8]) -> Option<ResumePoint> {
     let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(SUM)?)?;
     if Sha256::digest(content).as_slice() != sum {
         return None;
@@ -124,40 +125,4 @@ fn parse(bytes: &[u8]) -> Option<ResumePoint> {
         warnings,
         state: state.to_vec(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn comes_back_and_notices_every_damage() {
-        let folder = std::env::temp_dir().join(format!("eng-resume-{}", std::process::id()));
-        let path = folder.join("a.checkpoint");
-        assert_eq!(ResumePoint::read(&path).unwrap(), None);
-        let point = ResumePoint {
-            identity: "abc".to_owned(),
-            samples: 17,
-            warnings: vec![KeptWarning {
-                path: "main[1]".to_owned(),
-                used_at: Some((0, 5, 9)),
-                defined_at: None,
-                name: "thin".to_owned(),
-                message: "film is thin".to_owned(),
-                time: 0.1_f64.to_bits(),
-                cycle_angle: Some(f64::to_bits(1.0)),
-            }],
-            state: (0..=255).collect(),
-        };
-        point.write(&path).unwrap();
-        assert_eq!(ResumePoint::read(&path).unwrap().as_ref(), Some(&point));
-        let bytes = std::fs::read(&path).unwrap();
-        for index in 0..bytes.len() {
-            let mut wrong = bytes.clone();
-            wrong[index] ^= 1;
-            assert_eq!(parse(&wrong), None, "byte {index}");
-            assert_eq!(parse(&bytes[..index]), None, "first {index} bytes");
-        }
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
 }

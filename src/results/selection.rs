@@ -42,7 +42,7 @@ impl Last {
 
     /// Whether a sample belongs to the part. `value` is the column's value at the sample, `end` its value at
     /// the end. A millionth of the part is allowed for rounding errors.
-    pub(super) fn holds(self, value: f64, end: f64) -> bool {
+    pub(crate) fn holds(self, value: f64, end: f64) -> bool {
         let (Last::Time(part) | Last::Angle(part)) = self;
         (end - value).abs() <= part * (1.0 + 1e-6)
     }
@@ -120,7 +120,7 @@ impl Selection {
 
 /// Whether a path matches a pattern. On a mismatch the match returns to the last `*`, which then takes one
 /// more character.
-pub(crate) fn matches(pattern: &str, path: &str) -> bool {
+pub fn matches(pattern: &str, path: &str) -> bool {
     let pattern: Vec<char> = pattern.chars().collect();
     let path: Vec<char> = path.chars().collect();
     let (mut p, mut t) = (0, 0);
@@ -147,59 +147,4 @@ pub(crate) fn matches(pattern: &str, path: &str) -> bool {
     pattern
         .get(p..)
         .is_some_and(|rest| rest.iter().all(|c| *c == '*'))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::results::Column;
-
-    #[test]
-    fn patterns() {
-        for (pattern, path, fits) in [
-            ("main[*].force.*", "main[5].force.x", true),
-            ("main[*].force.*", "main[5].eccentricity.x", false),
-            ("main[?].force.x", "main[12].force.x", false),
-            ("*", "", true),
-            ("*.x", "a.x.b.x", true),
-            ("*.x", "a.x.b", false),
-            ("vertical[1]", "vertical[1]", true),
-            ("", "a", false),
-            ("a*b*c", "aXbYbc", true),
-        ] {
-            assert_eq!(matches(pattern, path), fits, "{pattern} {path}");
-        }
-    }
-
-    #[test]
-    fn keeps_what_is_asked_and_the_axes() {
-        let mut results = Results::new("a", "M");
-        results.push(Column::time(vec![0.0])).unwrap();
-        results.push(Column::cycle_angle(vec![0.0])).unwrap();
-        for path in ["main[1].force.x", "main[1].film"] {
-            let mut column = Column::time(vec![0.0]);
-            column.path = path.to_owned();
-            results.push(column).unwrap();
-        }
-        let selection = Selection::new(["*.force.*, *.nothing"]);
-        assert!(matches!(
-            selection.of(&results),
-            Err(ResultsError::NoChannel { pattern, .. }) if pattern == "*.nothing"
-        ));
-        let kept = Selection::new(["*.force.*"]).apply(&results).unwrap();
-        let paths: Vec<&str> = kept.columns().iter().map(|c| c.path.as_str()).collect();
-        assert_eq!(paths, ["time", "cycle.angle", "main[1].force.x"]);
-        assert_eq!(Selection::default().of(&results).unwrap(), [true; 4]);
-    }
-
-    #[test]
-    fn last_parts_are_angles_or_times() {
-        assert_eq!(Last::new(0.1, Dimension::TIME).unwrap(), Last::Time(0.1));
-        assert_eq!(Last::new(6.0, Dimension::ANGLE).unwrap(), Last::Angle(6.0));
-        assert!(Last::new(0.0, Dimension::TIME).is_err());
-        assert!(Last::new(f64::NAN, Dimension::TIME).is_err());
-        assert!(Last::new(1.0, Dimension::LENGTH).is_err());
-        // engines that turn backwards count too
-        assert!(Last::Angle(1.0).holds(-9.0, -10.0) && !Last::Angle(1.0).holds(-8.9, -10.0));
-    }
 }

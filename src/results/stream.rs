@@ -21,7 +21,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// An open stream. A lock on its file keeps other runs from writing into it.
-pub(super) struct Stream {
+pub struct Stream {
     path: PathBuf,
     file: File,
     encoder: StreamWriter<Vec<u8>>,
@@ -269,7 +269,7 @@ impl Portions {
 }
 
 /// All whole batches of a stream, with values in SI.
-pub(super) fn read(path: &Path) -> Result<Results, ResultsError> {
+pub fn read(path: &Path) -> Result<Results, ResultsError> {
     let mut portions = Portions::open(path)?;
     let header = portions.header();
     let mut columns: Vec<Column> = header.columns().to_vec();
@@ -286,43 +286,4 @@ pub(super) fn read(path: &Path) -> Result<Results, ResultsError> {
         results.push(column)?;
     }
     Ok(results)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A byte that has changed anywhere, or an end that is missing, is refused or gives no more samples than
-    /// were written.
-    #[test]
-    fn damaged_streams_are_refused_or_read() {
-        let folder = std::env::temp_dir().join(format!("eng-stream-{}", std::process::id()));
-        let path = folder.join("a.partial.arrows");
-        let mut header = Results::new("a", "M");
-        header.push(Column::time(Vec::new())).unwrap();
-        header.push(Column::cycle_angle(Vec::new())).unwrap();
-        let mut stream = Stream::create(&path, &header).unwrap();
-        for batch in 0..3 {
-            let values = vec![f64::from(batch); 5];
-            stream.write(&mut [values.clone(), values]).unwrap();
-        }
-        drop(stream);
-        assert_eq!(read(&path).unwrap().samples(), 15);
-        let whole = std::fs::read(&path).unwrap();
-        let other = folder.join("b.partial.arrows");
-        for index in 0..whole.len() {
-            let mut bytes = whole.clone();
-            bytes[index] ^= [0x01, 0x80, 0xff][index % 3];
-            std::fs::write(&other, bytes).unwrap();
-            match read(&other) {
-                Ok(left) => assert!(left.samples() <= 15, "{index}"),
-                Err(error) => assert!(error.to_string().contains("b.partial"), "{error}"),
-            }
-            std::fs::write(&other, &whole[..index]).unwrap();
-            if let Ok(left) = read(&other) {
-                assert!(left.samples() <= 15, "{index}");
-            }
-        }
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
 }

@@ -168,7 +168,7 @@ fn field(text: &str, width: usize) -> String {
 }
 
 /// A number as C writes it with `%w.de`: `1.50000e-03`.
-fn exponent(value: f64, width: usize, digits: usize) -> String {
+pub fn exponent(value: f64, width: usize, digits: usize) -> String {
     if !value.is_finite() {
         return format!("{:>width$}", format!("{value}"));
     }
@@ -185,7 +185,7 @@ fn exponent(value: f64, width: usize, digits: usize) -> String {
 
 /// The spacing, if the grid from its six digits in the header is within a thousandth of a step of all
 /// samples.
-fn even_spacing(time: &[f64]) -> Option<f64> {
+pub fn even_spacing(time: &[f64]) -> Option<f64> {
     let (first, last) = (*time.first()?, *time.last()?);
     let steps = time.len().checked_sub(1).filter(|n| *n > 0)?;
     let read = |value: f64| exponent(value, 13, 5).trim().parse::<f64>().ok();
@@ -237,38 +237,4 @@ fn kind(dimension: Dimension) -> (u32, [i32; 3]) {
         .map_or((TYPE_GENERAL, [0; 3]), |(_, kind, exponents)| {
             (*kind, *exponents)
         })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_two_digits_of_exponent_and_their_width() {
-        assert_eq!(exponent(0.0015, 13, 5), "  1.50000e-03");
-        assert_eq!(exponent(-1e120, 20, 12), "-1.000000000000e+120");
-        assert_eq!(exponent(0.0, 13, 5), "  0.00000e+00");
-    }
-
-    #[test]
-    fn spacing_is_even_only_if_six_digits_say_so() {
-        let even: Vec<f64> = (0..1000).map(|i| f64::from(i) * 1e-5).collect();
-        assert_eq!(even_spacing(&even), Some(1e-5));
-        let third: Vec<f64> = (0..2000).map(|i| f64::from(i) / 3e5).collect();
-        assert_eq!(even_spacing(&third), None);
-        assert_eq!(even_spacing(&[0.0, 1.0, 3.0]), None);
-        assert_eq!(even_spacing(&[0.0]), None);
-    }
-
-    #[test]
-    fn a_file_without_time_is_refused() {
-        let path = std::env::temp_dir().join(format!("eng-no-time-{}.uff", std::process::id()));
-        let mut results = Results::new("sweep", "M");
-        results.push(Column::cycle_angle(vec![1.0])).unwrap();
-        assert!(matches!(
-            results.write_universal(&path),
-            Err(ResultsError::Format { .. })
-        ));
-        assert!(!path.exists());
-    }
 }

@@ -1,7 +1,7 @@
 //! Runs of analyses with their messages: one or several in parallel, with a watch that stops a run without
 //! end.
 
-mod patience;
+pub(crate) mod patience;
 
 use crate::analysis::{Failed, Outcome};
 use crate::grid_error::{GridError, grid_errors};

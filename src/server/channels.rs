@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// The name of an analysis or a channel without its indices: `main.force.x` for `main[2].force.x`.
-pub(super) fn without_indices(path: &str) -> String {
+pub fn without_indices(path: &str) -> String {
     let mut depth = 0usize;
     let mut plain = String::with_capacity(path.len());
     for letter in path.chars() {
@@ -99,15 +99,4 @@ fn columns(system: &System, plan: &AnalysisPlan) -> Vec<Recorded> {
         Rows::Modes => of_modes(system),
         _ => recorded(system),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::without_indices;
-
-    #[test]
-    fn indices_are_left_out() {
-        assert_eq!(without_indices("a.main[2].force[1,2].x"), "a.main.force.x");
-        assert_eq!(without_indices("run[*"), "run");
-    }
 }

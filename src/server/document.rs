@@ -3,16 +3,20 @@
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-pub(super) struct Document {
+/// An open text.
+pub struct Document {
+    /// Its name at the client.
     pub uri: String,
     /// Absent for a text that is no file.
     pub path: Option<PathBuf>,
     /// The client's number of the text.
     pub version: Option<i64>,
+    /// The text as it is now.
     pub text: String,
 }
 
 impl Document {
+    /// A text without a number.
     pub fn new(uri: &str, text: &str) -> Document {
         Document {
             uri: uri.to_owned(),
@@ -73,7 +77,7 @@ impl Document {
 }
 
 /// The position of a byte.
-pub(super) fn position(text: &str, byte: usize) -> Value {
+pub fn position(text: &str, byte: usize) -> Value {
     let mut byte = byte.min(text.len());
     while !text.is_char_boundary(byte) {
         byte -= 1;
@@ -89,7 +93,7 @@ pub(super) fn range(text: &str, start: usize, end: usize) -> Value {
 }
 
 /// The path of a `file:` URI, links followed.
-pub(super) fn path(uri: &str) -> Option<PathBuf> {
+pub fn path(uri: &str) -> Option<PathBuf> {
     let rest = uri.strip_prefix("file://")?;
     let rest = rest.strip_prefix("localhost").unwrap_or(rest);
     let mut bytes = Vec::with_capacity(rest.len());
@@ -123,7 +127,7 @@ pub(super) fn path(uri: &str) -> Option<PathBuf> {
 }
 
 /// The `file:` URI of a path.
-pub(super) fn uri(path: &Path) -> String {
+pub fn uri(path: &Path) -> String {
     let text = path.to_string_lossy().replace('\\', "/");
     let mut uri = String::from("file://");
     if !text.starts_with('/') {
@@ -138,62 +142,4 @@ pub(super) fn uri(path: &Path) -> String {
         }
     }
     uri
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn positions_count_utf16_units() {
-        let document = Document::new("untitled:a", "a\u{1d70b}µ\r\nb");
-        for (byte, line, character) in [
-            (0, 0, 0),
-            (1, 0, 1),
-            (5, 0, 3),
-            (7, 0, 4),
-            (9, 1, 0),
-            (10, 1, 1),
-        ] {
-            let position = json!({ "line": line, "character": character });
-            assert_eq!(super::position(&document.text, byte), position);
-            assert_eq!(document.byte(&position), byte, "{position}");
-        }
-        // in the middle of a character, after a line, after the text
-        assert_eq!(document.byte(&json!({ "line": 0, "character": 2 })), 1);
-        assert_eq!(document.byte(&json!({ "line": 0, "character": 99 })), 7);
-        assert_eq!(document.byte(&json!({ "line": 9, "character": 0 })), 10);
-        assert_eq!(document.byte(&json!({ "line": -1 })), 0);
-    }
-
-    #[test]
-    fn changes_follow_each_other() {
-        let mut document = Document::new("untitled:a", "\u{1d70b}b\r\nc\n");
-        let place = |line: u32, character: u32| json!({ "line": line, "character": character });
-        let mut change = |start: Value, end: Value, text: &str| {
-            let range = json!({ "start": start, "end": end });
-            document.change(&json!({ "range": range, "text": text }));
-            document.text.clone()
-        };
-        assert_eq!(change(place(0, 2), place(0, 3), "d"), "\u{1d70b}d\r\nc\n");
-        assert_eq!(change(place(0, 3), place(1, 1), ""), "\u{1d70b}d\n");
-        // beyond the text, and backwards
-        assert_eq!(change(place(7, 0), place(9, 9), "e"), "\u{1d70b}d\ne");
-        assert_eq!(change(place(1, 1), place(0, 0), "f"), "\u{1d70b}d\nef");
-        document.change(&json!({ "text": "g" }));
-        document.change(&json!({ "text": 3 }));
-        assert_eq!(document.text, "g");
-    }
-
-    #[test]
-    fn paths_survive_a_uri() {
-        let folder = std::env::temp_dir().canonicalize().expect("a folder");
-        let file = folder.join("an engine %41 µ.eng");
-        assert_eq!(path(&uri(&file)), Some(file));
-        assert_eq!(path("untitled:Untitled-1"), None);
-        if cfg!(unix) {
-            let folder = PathBuf::from("/a:b/model.eng");
-            assert_eq!(path("file:///a:b/model.eng"), Some(folder));
-        }
-    }
 }

@@ -49,7 +49,7 @@ fn parameter<'i>(
 
 /// The number of the arguments before the last one, and the last one's text. The text begins after the parenthesis
 /// of a call.
-fn argument(text: &str) -> (usize, &str) {
+pub fn argument(text: &str) -> (usize, &str) {
     let (mut depth, mut count, mut start) = (0usize, 0, 0);
     for (at, byte) in text.bytes().enumerate() {
         match byte {
@@ -100,28 +100,11 @@ fn dimension(program: &Program, ty: &TypeExpr) -> Option<Dimension> {
 }
 
 /// Whether a place in a call begins an argument, so that the names of arguments may come next.
-pub(super) fn begins_argument(text: &str, place: usize) -> bool {
+pub fn begins_argument(text: &str, place: usize) -> bool {
     let Some(callee) = call_around(text, place) else {
         return false;
     };
     let start = path_at(text, place).map_or(place, |path| path.start);
     let before = text.get(callee.end + 1..start).unwrap_or("");
     argument(before).1.trim().is_empty()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{argument, begins_argument};
-
-    #[test]
-    fn arguments_are_counted() {
-        assert_eq!(
-            argument("a.b, [1, 2] mm, f(c, d), width: 3 "),
-            (3, " width: 3 ")
-        );
-        assert_eq!(argument(""), (0, ""));
-        let text = "A(b, width: c";
-        assert!(begins_argument(text, 3) && !begins_argument(text, text.len()));
-        assert!(!begins_argument("a = b", 5));
-    }
 }

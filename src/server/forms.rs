@@ -24,7 +24,7 @@ pub(super) fn formed(document: &Document) -> Value {
 }
 
 /// The changes that give the items in a range their form.
-pub(super) fn formed_range(document: &Document, wanted: &Value) -> Value {
+pub fn formed_range(document: &Document, wanted: &Value) -> Value {
     let text = document.text.as_str();
     let Some(formed) = form(text) else {
         return json!([]);
@@ -82,27 +82,4 @@ fn line(text: &str, byte: usize) -> Option<usize> {
     let start = before.rfind('\n').map_or(0, |end| end + 1);
     let blank = before.get(start..)?.trim().is_empty();
     blank.then_some(start)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_items_of_a_range_get_their_form() {
-        let text = "const  a=1\nmodel M {\n  param b:Length=2 mm\n  const c=3; const  d=4\n}\n";
-        let document = Document::new("untitled:a", text);
-        let edits = |line: u32| {
-            let place = json!({ "line": line, "character": 4 });
-            let edits = formed_range(&document, &json!({ "start": place, "end": place }));
-            let edits = edits.as_array().cloned().unwrap_or_default();
-            let texts = edits.iter().map(|edit| edit["newText"].clone());
-            texts.collect::<Vec<Value>>()
-        };
-        assert_eq!(edits(0), [json!("const a = 1")]);
-        assert_eq!(edits(2), [json!("    param b: Length = 2 mm")]);
-        let wrong = Document::new("untitled:a", "const  a = = 1\n");
-        let all = json!({ "start": { "line": 0 }, "end": { "line": 9 } });
-        assert_eq!(formed_range(&wrong, &all), json!([]));
-    }
 }

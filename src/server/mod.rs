@@ -9,23 +9,23 @@
 //!
 //! Requests and answers are plain JSON: the server uses some twenty of the thousand types of the protocol.
 
-mod channels;
+pub(crate) mod channels;
 mod checks;
 mod completion;
-mod document;
-mod due;
-mod forms;
+pub(crate) mod document;
+pub(crate) mod due;
+pub(crate) mod forms;
 mod hints;
 mod hover;
 mod index;
 mod messages;
 mod occurrences;
-mod place;
+pub(crate) mod place;
 mod references;
 mod requests;
 mod symbols;
 mod tokens;
-mod transport;
+pub(crate) mod transport;
 
 pub use transport::{Transport, standard};
 
@@ -191,7 +191,7 @@ enum Event {
 }
 
 /// The result of a piece of work, or the words of its panic.
-fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     // the next check makes everything again that a panic could leave half-changed
     catch_unwind(AssertUnwindSafe(work)).map_err(|cause| {
         let words = cause.downcast_ref::<String>().map(String::as_str);
@@ -445,18 +445,5 @@ impl Server<'_> {
             "textDocument/publishDiagnostics".to_owned(),
             parameters,
         ));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::guarded;
-
-    #[test]
-    fn a_panic_is_an_error_with_its_words() {
-        assert_eq!(guarded(|| 3), Ok(3));
-        let number = 4;
-        let panicked: Result<(), String> = guarded(|| panic!("no {number}"));
-        assert_eq!(panicked, Err("no 4".to_owned()));
     }
 }

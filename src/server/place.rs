@@ -1,13 +1,14 @@
 //! The text around a place: words, paths, and the call that a place is in.
 
 /// A path of names with indices, such as `main[3].force`.
-pub(super) struct Path {
+pub struct Path {
     /// As written, without indices that are no numbers.
     pub written: String,
     /// Its names.
     pub names: Vec<String>,
-    /// The last name's bytes.
+    /// The first byte of the last name.
     pub start: usize,
+    /// The place after its last byte.
     pub end: usize,
 }
 
@@ -16,7 +17,7 @@ fn is_word(byte: u8) -> bool {
 }
 
 /// The path whose last name is at a place.
-pub(super) fn path_at(text: &str, place: usize) -> Option<Path> {
+pub fn path_at(text: &str, place: usize) -> Option<Path> {
     let bytes = text.as_bytes();
     let mut start = place.min(bytes.len());
     while start > 0 && is_word(bytes[start - 1]) {
@@ -45,7 +46,7 @@ pub(super) fn path_at(text: &str, place: usize) -> Option<Path> {
 }
 
 /// The names before the dot that ends at a place: `crank`, `pin` for `crank.pin[2].`.
-pub(super) fn names_before(text: &str, place: usize) -> Vec<String> {
+pub fn names_before(text: &str, place: usize) -> Vec<String> {
     let mut names = Vec::new();
     let mut begin = place;
     while let Some((name, at)) = name_before(text, begin) {
@@ -88,7 +89,7 @@ fn name_before(text: &str, place: usize) -> Option<(String, usize)> {
 }
 
 /// The name of the call whose arguments a place is in.
-pub(super) fn call_around(text: &str, place: usize) -> Option<Path> {
+pub fn call_around(text: &str, place: usize) -> Option<Path> {
     let bytes = text.as_bytes();
     let mut depth = 0usize;
     let mut at = place.min(bytes.len());
@@ -109,7 +110,7 @@ pub(super) fn call_around(text: &str, place: usize) -> Option<Path> {
 }
 
 /// Whether a place is in a comment or in a text in quotes, by the line before it.
-pub(super) fn is_quiet(line: &str) -> bool {
+pub fn is_quiet(line: &str) -> bool {
     let mut inside = false;
     let bytes = line.as_bytes();
     for (at, byte) in bytes.iter().enumerate() {
@@ -120,27 +121,4 @@ pub(super) fn is_quiet(line: &str) -> bool {
         }
     }
     inside
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_read_backwards() {
-        let text = "let a = crank.main[3].force + f(b, c).x.";
-        let path = path_at(text, text.find("orce").expect("there")).expect("a path");
-        assert_eq!(
-            (path.names.join("/"), path.written.as_str()),
-            ("crank/main/force".into(), "crank.main[3].force")
-        );
-        assert_eq!(&text[path.start..path.end], "force");
-        assert_eq!(names_before(text, text.len()), ["f", "x"]);
-        assert!(path_at("a = 12", 5).is_none());
-        assert!(path_at("", 3).is_none());
-        let call = call_around("joint a = Revolute(b, [1, 2], ", 30).expect("a call");
-        assert_eq!(call.names, ["Revolute"]);
-        assert!(call_around("body a { (b) ", 13).is_none());
-        assert!(is_quiet("a // b") && is_quiet("\"a // ") && !is_quiet("\"//\" a"));
-    }
 }

@@ -81,7 +81,7 @@ fn read_all(input: &mut impl BufRead, incoming: &Sender<Message>) -> io::Result<
 }
 
 /// Answers a body that is no message. Nobody knows the number of its request.
-fn refuse(output: &mut impl Write, body: &[u8], error: &serde_json::Error) -> io::Result<()> {
+pub fn refuse(output: &mut impl Write, body: &[u8], error: &serde_json::Error) -> io::Result<()> {
     let code = match serde_json::from_slice::<serde_json::Value>(body) {
         Ok(_) => ErrorCode::InvalidRequest,
         Err(_) => ErrorCode::ParseError,
@@ -100,7 +100,7 @@ fn wrong(words: impl Into<String>) -> io::Error {
 }
 
 /// The next body; `None` at the end of the input.
-fn body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
+pub fn body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     let mut length = None;
     loop {
         let mut line = Vec::new();
@@ -136,51 +136,5 @@ fn body(input: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     match read == length {
         true => Ok(Some(body)),
         false => Err(wrong("the input ends inside of a message")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bodies_end_where_their_headers_say() {
-        let text = "Content-Length: 2\r\nContent-Type: x\r\n\r\n{}content-length:3\r\n\r\n[1]";
-        let mut input = text.as_bytes();
-        assert_eq!(body(&mut input).expect("a body"), Some(b"{}".to_vec()));
-        assert_eq!(body(&mut input).expect("a body"), Some(b"[1]".to_vec()));
-        assert_eq!(body(&mut input).expect("the end"), None);
-    }
-
-    #[test]
-    fn wrong_headers_are_refused() {
-        let long = format!("{}\r\n\r\n", "a".repeat(5000));
-        for text in [
-            "Content-Length: 99999999999999\r\n\r\n{}",
-            "Content-Length: 99999999999999999999999\r\n\r\n{}",
-            "Content-Length: -1\r\n\r\n{}",
-            "Content-Length: 5\r\n\r\n{}",
-            "Content-Length 5\r\n\r\n{}",
-            "Accept: all\r\n\r\n{}",
-            "Content-Length: 5",
-            long.as_str(),
-        ] {
-            assert!(body(&mut text.as_bytes()).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_body_that_is_no_message_gets_an_error() {
-        for (text, code) in [("{ \"id\": 3", -32700), ("{ \"id\": 3 }", -32600)] {
-            let error = serde_json::from_str::<Message>(text).expect_err("no message");
-            let mut output: Vec<u8> = Vec::new();
-            refuse(&mut output, text.as_bytes(), &error).expect("written");
-            let body = body(&mut output.as_slice()).expect("a body").expect("one");
-            let answer: serde_json::Value = serde_json::from_slice(&body).expect("JSON");
-            assert_eq!(
-                (&answer["error"]["code"], &answer["id"]),
-                (&json!(code), &json!(null))
-            );
-        }
     }
 }

@@ -23,7 +23,7 @@ pub struct Design {
 
 /// The values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct DesignColumn {
+pub struct DesignColumn {
     /// Path of the parameter.
     pub path: String,
     /// Name of the unit; empty for a pure number.
@@ -92,7 +92,7 @@ impl Design {
 }
 
 /// Refuses a table without rows, columns without a name, and two columns with one name.
-fn whole(columns: Vec<DesignColumn>) -> Result<Vec<DesignColumn>, String> {
+pub fn whole(columns: Vec<DesignColumn>) -> Result<Vec<DesignColumn>, String> {
     for (index, column) in columns.iter().enumerate() {
         if column.path.is_empty() {
             return Err(format!(
@@ -127,7 +127,7 @@ fn whole(columns: Vec<DesignColumn>) -> Result<Vec<DesignColumn>, String> {
 }
 
 /// Path and unit of `main[5].clearance [um]`.
-fn named(header: &str) -> (String, String) {
+pub fn named(header: &str) -> (String, String) {
     let header = header.trim();
     let named = name_and_unit(header).filter(|_| header.ends_with(']'));
     match named {
@@ -138,7 +138,7 @@ fn named(header: &str) -> (String, String) {
 }
 
 /// Columns of a text.
-fn from_text(text: &str) -> Result<Vec<DesignColumn>, String> {
+pub fn from_text(text: &str) -> Result<Vec<DesignColumn>, String> {
     let Some(table) = Delimited::read(text) else {
         return Err(
             "the file is empty; its first line names the parameters: length [mm]".to_owned(),
@@ -252,46 +252,4 @@ fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
     }
     let numbers = any.downcast_ref::<Int64Array>()?;
     Some(numbers.values().iter().map(|x| *x as f64).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_have_paths_and_units() {
-        for (header, path, unit) in [
-            ("length [mm]", "length", "mm"),
-            ("length[mm]", "length", "mm"),
-            ("main[5].clearance [um]", "main[5].clearance", "um"),
-            ("main[5]", "main[5]", ""),
-            (" ratio [1] ", "ratio", ""),
-            ("pull [N*m]", "pull", "N*m"),
-        ] {
-            assert_eq!(named(header), (path.to_owned(), unit.to_owned()));
-        }
-    }
-
-    #[test]
-    fn texts_of_spreadsheets_are_read() {
-        let text = "\u{feff}# made by hand\nlength [mm];load[kg];\n\n1,5;2;\n2,5;1e-3\n";
-        let columns = from_text(text).unwrap();
-        assert_eq!(columns[0].values, [1.5, 2.5]);
-        assert_eq!(columns[1].values, [2.0, 1e-3]);
-        for (text, message) in [
-            ("", "the file is empty"),
-            ("length [mm]\n", "there are no points"),
-            ("a,b\n1\n", "line 2 has 1 cell, and"),
-            (
-                "a,b\n1,2\n1,2 mm\n",
-                "line 3: \"2 mm\" in the column b is no number",
-            ),
-            (",b\n0,2\n", "column 1 has no name"),
-            ("a,a [mm]\n0,2\n", "two columns of a"),
-            ("a\ninf\n", "a of point 1 is not a finite number"),
-        ] {
-            let error = from_text(text).and_then(whole).unwrap_err();
-            assert!(error.contains(message), "{error}");
-        }
-    }
 }

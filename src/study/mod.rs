@@ -11,10 +11,10 @@
 //! ```
 
 mod dataset;
-mod design;
+pub(crate) mod design;
 mod journal;
 mod numbers;
-mod plan;
+pub(crate) mod plan;
 mod run;
 
 pub use dataset::{Collected, Dataset, Failure, Standing, Worker};

@@ -42,7 +42,7 @@ pub struct Script {
 }
 
 /// A word of a shell.
-fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+%@".contains(c);
     match !word.is_empty() && word.chars().all(plain) {
         true => word.to_owned(),
@@ -167,17 +167,5 @@ exec {collect}
         };
         text.push_str(&lines);
         text
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_of_the_shell_are_quoted() {
-        assert_eq!(quoted("a/b-1.eng"), "a/b-1.eng");
-        assert_eq!(quoted("speed=5000 rpm"), "'speed=5000 rpm'");
-        assert_eq!(quoted("it's"), "'it'\\''s'");
     }
 }

@@ -4,7 +4,7 @@ pub(crate) mod modes;
 mod outcome;
 pub(crate) mod response;
 pub(crate) mod state;
-mod summary;
+pub(crate) mod summary;
 pub(crate) mod sweep;
 
 pub(crate) use outcome::over_points_of;

@@ -172,7 +172,7 @@ pub(crate) fn readable(name: &str) -> String {
 }
 
 /// `journal law` of `JournalLaw`.
-pub(crate) fn in_words(name: &str) -> String {
+pub fn in_words(name: &str) -> String {
     let mut words = String::new();
     let mut before = None;
     for letter in name.chars() {
@@ -190,7 +190,7 @@ pub(crate) fn in_words(name: &str) -> String {
 }
 
 /// Numbers of one column with the same decimals: the largest has four significant digits.
-fn alike(values: &[Option<f64>]) -> Vec<String> {
+pub fn alike(values: &[Option<f64>]) -> Vec<String> {
     let sizes = values.iter().flatten().map(|value| value.abs());
     let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
     // 1e-30 is a clear zero in any unit that a table shows
@@ -238,144 +238,4 @@ pub(crate) fn mean(time: &[f64], values: &[f64]) -> f64 {
         .map(|((from, to), (a, b))| 0.5 * (a + b) * (to - from))
         .sum();
     area / duration
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::results::Column;
-    use eng_system::Dimension;
-    use std::f64::consts::PI;
-
-    fn films() -> InterfaceSummary {
-        let column = |output: &str, statistic| SummaryColumn {
-            output: output.to_owned(),
-            about: String::new(),
-            statistic,
-        };
-        let element = |path: &str, pressed: bool| SummarisedElement {
-            path: path.to_owned(),
-            parameters: Vec::new(),
-            channels: vec![
-                Some(format!("{path}.load")),
-                pressed.then(|| format!("{path}.pressure")),
-                Some(format!("{path}.least_gap")),
-                Some(format!("{path}.heat")),
-            ],
-        };
-        InterfaceSummary {
-            interface: "OwnFilm".to_owned(),
-            parameters: Vec::new(),
-            columns: vec![
-                column("load", Statistic::Largest),
-                column("pressure", Statistic::Largest),
-                column("least_gap", Statistic::Least),
-                column("heat", Statistic::Mean),
-            ],
-            elements: vec![element("main[1]", true), element("main[2]", false)],
-        }
-    }
-
-    fn results(samples: &[(f64, f64, f64)]) -> Results {
-        let mut results = Results::new("unfired", "Inline4");
-        let column = |path: &str, symbol: &str, scale: f64, values: Vec<f64>| Column {
-            path: path.to_owned(),
-            dimension: Dimension::ONE,
-            display: DisplayUnit {
-                symbol: symbol.to_owned(),
-                scale,
-                offset: 0.0,
-            },
-            frame: String::new(),
-            values,
-        };
-        let time: Vec<f64> = (0..samples.len()).map(|i| i as f64 * 0.01).collect();
-        let angle = samples.iter().map(|s| s.0.to_radians()).collect();
-        results.push(Column::time(time)).unwrap();
-        results.push(Column::cycle_angle(angle)).unwrap();
-        for (path, share) in [("main[1]", 1.0), ("main[2]", 0.1)] {
-            let loads: Vec<f64> = samples.iter().map(|s| share * s.1).collect();
-            let pressure = loads.iter().map(|f| f / 0.00108).collect();
-            let gaps: Vec<f64> = samples.iter().map(|s| s.2).collect();
-            let heat = gaps.iter().map(|f| f * 1e6).collect();
-            for (name, symbol, scale, values) in [
-                ("load", "N", 1.0, loads),
-                ("pressure", "MPa", 1e6, pressure),
-                ("least_gap", "um", 1e-6, gaps),
-                ("heat", "W", 1.0, heat),
-            ] {
-                let path = format!("{path}.{name}");
-                results.push(column(&path, symbol, scale, values)).unwrap();
-            }
-        }
-        results
-    }
-
-    #[test]
-    fn takes_the_last_cycle() {
-        // the start-up peak of 9 kN and the film of 1 µm lie before the last 720°
-        let samples = [
-            (0.0, 9e3, 1e-6),
-            (360.0, 300.0, 5e-6),
-            (720.0, 600.0, 4e-6),
-            (900.0, 2000.0, 3e-6),
-            (1080.0, 300.0, 5e-6),
-        ];
-        let (results, films) = (results(&samples), films());
-        let table = SummaryTable::new(&results, &films, Some(4.0 * PI));
-        assert!(table.last_cycle);
-        let [load, pressure, gap, heat] = [0, 1, 2, 3].map(|k| table.rows[0][k].unwrap());
-        assert_eq!((load.value, gap.value), (2000.0, 3e-6));
-        assert!((pressure.value - 2000.0 / 0.00108).abs() < 1e-6);
-        assert!((load.angle.unwrap().to_degrees() - 180.0).abs() < 1e-9);
-        // trapezoid over 5, 4, 3, 5 W
-        assert!((heat.value - 4.0).abs() < 1e-12);
-        assert_eq!((heat.angle, table.rows[1][1]), (None, None));
-        let whole = SummaryTable::new(&results, &films, Some(8.0 * PI));
-        assert!(!whole.last_cycle);
-        assert_eq!(whole.rows[0][0].unwrap().value, 9000.0);
-        insta::assert_snapshot!(format!("{}{}", table.text(), whole.text()));
-    }
-
-    #[test]
-    fn absent_columns_are_dashes() {
-        let mut bare = Results::new("a", "M");
-        bare.push(Column::time(vec![0.0, 1.0])).unwrap();
-        let films = films();
-        let text = SummaryTable::new(&bare, &films, None).text();
-        assert_eq!(text.matches('–').count(), 8, "{text}");
-    }
-
-    #[test]
-    fn numbers_of_a_column_have_the_same_decimals() {
-        for (values, texts) in [
-            (
-                vec![Some(12.3456), Some(-0.5), None],
-                ["12.35", "-0.50", "–"],
-            ),
-            (
-                vec![Some(0.0), Some(12345.6), Some(1.0)],
-                ["0", "12346", "1"],
-            ),
-            (vec![Some(0.0), None, Some(0.0)], ["0", "–", "0"]),
-            (
-                vec![Some(1.5e-7), None, Some(2e-9)],
-                ["1.500e-7", "–", "2.000e-9"],
-            ),
-        ] {
-            assert_eq!(alike(&values), texts);
-        }
-    }
-
-    #[test]
-    fn names_in_words() {
-        for (name, words) in [
-            ("JournalLaw", "journal law"),
-            ("GasLaw", "gas law"),
-            ("PInD", "pin d"),
-            ("own_law", "own law"),
-        ] {
-            assert_eq!(in_words(name), words);
-        }
-    }
 }

@@ -44,7 +44,7 @@ pub mod table;
 
 pub use dimension::{Dimension, DisplayUnit};
 
-/// Parts that the tests of `tests/` check alone. No other crate may use them.
+/// Parts for the tests in `tests/` alone. No other crate may use them.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::analysis::named::fits;

@@ -15,13 +15,13 @@ const INTERVAL: Duration = Duration::from_millis(200);
 /// A file that has not changed for this time has been written to its end. A choice: editors write a text in one piece.
 const AT_REST: Duration = Duration::from_millis(50);
 /// Most waits for files that go on changing. A choice: two seconds.
-const MOST_WAITS: usize = 40;
+pub const MOST_WAITS: usize = 40;
 
 /// The files that a check has asked for, with their stamps before they were read.
-pub(super) type Files = BTreeMap<PathBuf, Option<Stamp>>;
+pub type Files = BTreeMap<PathBuf, Option<Stamp>>;
 
 /// A source of changes.
-pub(super) trait Changes {
+pub trait Changes {
     /// Replaces the files.
     fn watch(&mut self, files: Files);
     /// Whether one of the files has changed. It is asked often.
@@ -32,13 +32,14 @@ pub(super) trait Changes {
 
 /// Looks at the files again and again, for ever.
 #[derive(Debug, Default)]
-pub(super) struct Looks {
+pub struct Looks {
     files: Files,
     last: Option<Instant>,
 }
 
 impl Looks {
-    fn differ(&self) -> bool {
+    /// Whether one of the files has another stamp than before.
+    pub fn differ(&self) -> bool {
         self.files
             .iter()
             .any(|(path, stamp)| Stamp::of(path) != *stamp)
@@ -75,7 +76,7 @@ impl Changes for Looks {
 }
 
 /// Looks until two looks see the same, because a file may be half-written.
-fn at_rest<S: PartialEq>(mut look: impl FnMut() -> S) {
+pub fn at_rest<S: PartialEq>(mut look: impl FnMut() -> S) {
     let mut before = look();
     for _ in 0..MOST_WAITS {
         let now = look();
@@ -83,39 +84,5 @@ fn at_rest<S: PartialEq>(mut look: impl FnMut() -> S) {
             break;
         }
         before = now;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_round_waits_until_files_are_at_rest() {
-        let mut seen = [1, 2, 3, 3, 4].into_iter();
-        at_rest(|| seen.next());
-        assert_eq!(seen.next(), Some(4));
-        // a file that never rests
-        let mut looks = 0..;
-        at_rest(|| looks.next());
-        assert_eq!(looks.next(), Some(MOST_WAITS + 1));
-    }
-
-    #[test]
-    fn files_that_come_change_and_go_are_seen() {
-        let path = std::env::temp_dir().join(format!("eng-looks-{}", std::process::id()));
-        let _ = std::fs::remove_file(&path);
-        let mut looks = Looks::default();
-        let seen = || Files::from([(path.clone(), Stamp::of(&path))]);
-        looks.watch(seen());
-        assert!(!looks.came());
-        for text in ["one", "two or three"] {
-            std::fs::write(&path, text).expect("a file");
-            assert!(looks.wait(), "{text}");
-            looks.watch(seen());
-            assert!(!looks.differ(), "{text}");
-        }
-        std::fs::remove_file(&path).expect("a file");
-        assert!(looks.wait());
     }
 }

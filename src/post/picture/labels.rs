@@ -31,7 +31,7 @@ pub(super) fn letters(results: &Results, journals: &[JournalGeometry]) -> Vec<(S
 }
 
 /// One name for the frames of several curves: `block.main[1…5]` if they differ in one number.
-pub(super) fn common_frame(frames: &[&str]) -> String {
+pub fn common_frame(frames: &[&str]) -> String {
     let mut distinct: Vec<&str> = Vec::new();
     for frame in frames {
         if !distinct.contains(frame) {
@@ -58,19 +58,5 @@ pub(super) fn common_frame(frames: &[&str]) -> String {
             format!("{head}[{from}…{to}]{tail}")
         }
         _ => distinct.join(", "),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_are_named_together() {
-        assert_eq!(common_frame(&["ground", "ground"]), "ground");
-        assert_eq!(common_frame(&["", ""]), "");
-        let shells = ["block.main[1]", "block.main[2]", "block.main[5]"];
-        assert_eq!(common_frame(&shells), "block.main[1…5]");
-        assert_eq!(common_frame(&["a", "b"]), "a, b");
     }
 }

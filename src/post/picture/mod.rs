@@ -2,7 +2,7 @@
 
 mod bode;
 mod film;
-mod labels;
+pub(crate) mod labels;
 mod orders;
 mod plane;
 mod tornado;
