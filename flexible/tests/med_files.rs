@@ -7,9 +7,7 @@ use std::path::Path;
 use crate::nastran_deck::{Memory, element_ids, is_consistent, set, set_ids, unread};
 use eng_flexible::markers::{MESH_AXES, MarkerRequest};
 use eng_flexible::mesh::{Carries, ElementKind, Mesh, Section};
-use eng_flexible::read::ShellGroups;
-use eng_flexible::read::gmsh::read_msh;
-use eng_flexible::read::med::{read_med, read_med_with_shells};
+use eng_flexible::read::{ShellGroups, read_mesh_with_shells};
 use eng_flexible::reduce::{Interface, Request, Term, reduce};
 use eng_flexible::solve::Modes;
 use eng_flexible::units::MeshUnits;
@@ -35,7 +33,7 @@ fn files(name: &str, bytes: Vec<u8>) -> Memory {
 }
 
 fn try_read(bytes: Vec<u8>) -> Result<Mesh, FlexibleError> {
-    read_med(&files("a.med", bytes), "a.med")
+    read_mesh(&files("a.med", bytes), "a.med", MeshFormat::Med)
 }
 
 fn mesh(name: &str) -> Mesh {
@@ -46,7 +44,7 @@ fn mesh(name: &str) -> Mesh {
 }
 
 fn of_gmsh(name: &str) -> Mesh {
-    read_msh(&files("a.msh", data(name)), "a.msh").unwrap()
+    read_mesh(&files("a.msh", data(name)), "a.msh", MeshFormat::Gmsh).unwrap()
 }
 
 /// Mass, inertia, the frequencies of free modes and those of modes with held groups.
@@ -226,7 +224,8 @@ fn surfaces_are_shells_of_a_stated_thickness() {
             groups: &groups,
             thickness: 3.0,
         };
-        read_med_with_shells(&files("a.med", data("med/cover.med")), "a.med", shells)
+        let files = files("a.med", data("med/cover.med"));
+        read_mesh_with_shells(&files, "a.med", MeshFormat::Med, shells)
     };
     let shells = with("COVER").unwrap();
     is_consistent(&shells);

@@ -10,7 +10,6 @@ use crate::nastran_deck::{self, Memory, element_ids, is_consistent, set_ids, unr
 use eng_flexible::fe::Rules;
 use eng_flexible::markers::{MESH_AXES, MarkerRequest};
 use eng_flexible::mesh::{Carries, ElementKind, Mesh, Tie};
-use eng_flexible::read::gmsh::read_msh;
 use eng_flexible::read::matrix::{ForeignModes, ShapeFormat, read_modes};
 use eng_flexible::read::universal::read_unv;
 use eng_flexible::recover::Recovery;
@@ -107,7 +106,8 @@ fn blocks_of_gmsh_are_the_same_in_both_formats() {
         let own = mesh(data(&format!("{name}.unv")).as_bytes());
         is_consistent(&own);
         let text = data(&format!("{name}.msh"));
-        let other = read_msh(&Memory::new(&[("a.msh", &text)]), "a.msh").unwrap();
+        let other =
+            read_mesh(&Memory::new(&[("a.msh", &text)]), "a.msh", MeshFormat::Gmsh).unwrap();
         assert!(own.elements.iter().all(|e| e.kind == kind), "{name}");
         assert_eq!(solids(&own), solids(&other), "{name}");
         for set in ["LEFT", "RIGHT", "BLOCK"] {

@@ -7,12 +7,12 @@ pub mod ansys;
 mod builder;
 pub(crate) mod content;
 pub mod csv;
-pub mod gmsh;
+mod gmsh;
 mod hdf5;
 mod held;
 mod labels;
 pub mod matrix;
-pub mod med;
+mod med;
 pub mod nastran;
 pub(crate) mod number;
 pub(crate) mod source;
@@ -87,10 +87,10 @@ pub fn read_mesh(files: &dyn Files, name: &str, format: MeshFormat) -> Result<Me
         MeshFormat::Nastran => nastran::read_bulk(files, name),
         MeshFormat::Abaqus => abaqus::read_inp(files, name, Code::Abaqus),
         MeshFormat::CalculiX => abaqus::read_inp(files, name, Code::CalculiX),
-        MeshFormat::Gmsh => gmsh::read_msh(files, name),
+        MeshFormat::Gmsh => gmsh::read_msh(files, name, NO_SHELLS),
         MeshFormat::Ansys => ansys::read_cdb(files, name),
         MeshFormat::Universal => universal::read_unv(files, name),
-        MeshFormat::Med => med::read_med(files, name),
+        MeshFormat::Med => med::read_med(files, name, NO_SHELLS),
         MeshFormat::Csv => csv::read_nodes(files, name),
     };
     explained(files, name, format, read)
@@ -109,8 +109,8 @@ pub fn read_mesh_with_shells(
     shells: ShellGroups<'_>,
 ) -> Result<Mesh, FlexibleError> {
     let read = match format {
-        MeshFormat::Gmsh => gmsh::read_msh_with_shells(files, name, shells),
-        MeshFormat::Med => med::read_med_with_shells(files, name, shells),
+        MeshFormat::Gmsh => gmsh::read_msh(files, name, shells),
+        MeshFormat::Med => med::read_med(files, name, shells),
         _ => Err(source::whole(
             name,
             "the thickness of its shells is in the file, not in `shells`",

@@ -39,7 +39,7 @@ pub struct Report {
     pub estimate: Option<BodyMass>,
     /// The mass that the mesh's file states, by a check of its own code (SI).
     pub weight_check: Option<WeightCheck>,
-    /// What the mesh holds, and the shape of its elements.
+    /// The contents of the mesh, and the shape of its elements.
     pub inventory: Inventory,
     /// The interface motion of each static mode, in the order of the terms.
     pub served: Vec<Served>,

@@ -14,25 +14,17 @@ mod version4;
 use crate::error::{FileProblem, FlexibleError};
 use crate::mesh::{Carries, Mesh};
 use crate::read::source::whole;
-use crate::read::{Files, NO_SHELLS, ShellGroups};
+use crate::read::{Files, ShellGroups};
 use content::{Content, full_name};
 use stream::Stream;
 
-/// Reads a mesh of gmsh. Values keep the units of the file.
+/// Reads a mesh of gmsh. A mesh with shells may have no volume. Values keep the units of the file.
 ///
 /// # Errors
 /// With file and line, or byte of a binary file: a file that can't be read or isn't a mesh of gmsh of format
 /// 4.1 or 2.2, text in the place of a number, a missing node, elements of third order or with nodes inside,
-/// a mesh without volumes or in partitions.
-pub fn read_msh(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
-    read_msh_with_shells(files, name, NO_SHELLS)
-}
-
-/// Reads a mesh of gmsh with shells, which may have no volume.
-///
-/// # Errors
-/// Those of [`read_msh`], and a group without triangles and quadrangles.
-pub fn read_msh_with_shells(
+/// a mesh in partitions, one without volumes and shells, a group of shells without triangles and quadrangles.
+pub(super) fn read_msh(
     files: &dyn Files,
     name: &str,
     shells: ShellGroups<'_>,

@@ -1,6 +1,6 @@
 //! Cells: for each geometry their nodes, families and numbers.
 
-use super::folder::{AGAIN, File, Folder};
+use super::folder::{AGAIN, File, Folder, fits};
 use crate::error::FileProblem;
 use crate::fe::vector::{Vector, determinant, subtract};
 use crate::mesh::{ElementKind, Node};
@@ -68,8 +68,7 @@ impl Cells {
             *list = file.integers(folder, name)?.unwrap_or_default();
         }
         let [families, numbers] = lists;
-        let fits = |list: &[i64]| list.is_empty() || list.len() == count;
-        if connectivity.len() % nodes != 0 || !fits(&families) || !fits(&numbers) {
+        if connectivity.len() % nodes != 0 || !fits(&families, count) || !fits(&numbers, count) {
             let problem = format!(
                 "it has {} nodes, {} families and {} numbers, which do not fit cells of {nodes} nodes",
                 connectivity.len(),

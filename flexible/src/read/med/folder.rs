@@ -192,6 +192,11 @@ impl Folder<'_> {
     }
 }
 
+/// Whether a list has an entry for each of so many nodes or cells, or no entry.
+pub(super) fn fits(list: &[i64], count: usize) -> bool {
+    list.is_empty() || list.len() == count
+}
+
 /// A name in a field that blanks or zero bytes fill.
 pub(super) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|byte| *byte == 0);

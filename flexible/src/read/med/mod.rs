@@ -22,27 +22,19 @@ use crate::error::{FileProblem, FlexibleError};
 use crate::mesh::Mesh;
 use crate::read::hdf5::Hdf5;
 use crate::read::source::whole;
-use crate::read::{Files, NO_SHELLS, ShellGroups};
+use crate::read::{Files, ShellGroups};
 use folder::{AGAIN, File, Folder};
 
 /// The largest file in bytes, unpacked. A choice: a mesh of ten million nodes has half of it.
 const LARGEST: u64 = 1 << 31;
 
-/// Reads a MED file. Values keep the units of the file.
+/// Reads a MED file. A mesh with shells may have no volume. Values keep the units of the file.
 ///
 /// # Errors
 /// With the path in the file: a file that can't be read or is damaged, compressed datasets, a version before 2.2 or after 4,
 /// several meshes or steps, structured or partitioned meshes, coordinates that are not Cartesian, a missing node, solids that
-/// Eng does not know, a file without solids.
-pub fn read_med(files: &dyn Files, name: &str) -> Result<Mesh, FlexibleError> {
-    read_med_with_shells(files, name, NO_SHELLS)
-}
-
-/// Reads a MED file with shells, which may have no volume.
-///
-/// # Errors
-/// Those of [`read_med`], and a group without triangles and quadrangles.
-pub fn read_med_with_shells(
+/// Eng does not know, a file without solids and shells, a group of shells without triangles and quadrangles.
+pub(super) fn read_med(
     files: &dyn Files,
     name: &str,
     shells: ShellGroups<'_>,

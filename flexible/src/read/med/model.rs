@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::cells::Cells;
 use super::families::Families;
-use super::folder::{AGAIN, File, Folder};
+use super::folder::{AGAIN, File, Folder, fits};
 use crate::error::FileProblem;
 use crate::mesh::{
     Carries, ElementKind, Mesh, Node, Property, Section, Set, ShellSection, Unread, Variant,
@@ -97,12 +97,11 @@ impl<'f, 's> Model<'f, 's> {
         let numbers = file.integers(&folder, "NUM")?.unwrap_or_default();
         let families = file.integers(&folder, "FAM")?.unwrap_or_default();
         let dimension = places.len().checked_div(count).unwrap_or(0);
-        let fits = |list: &[i64]| list.is_empty() || list.len() == count;
         if !(1..=3).contains(&dimension)
             || dimension * count != places.len()
             || u32::try_from(count).is_err()
-            || !fits(&numbers)
-            || !fits(&families)
+            || !fits(&numbers, count)
+            || !fits(&families, count)
         {
             let problem = format!(
                 "it has {} coordinates, {} numbers and {} families of {count} nodes",
