@@ -101,7 +101,7 @@ def main() -> None:
     install, package, use = commands()
     run(install.split() + ["--silent", "--no-audit", "--no-fund"], source)
     words = package.split()
-    assert words[:2] == ["npx", "@vscode/vsce"], package
+    assert words[:2] == ["npx", "@vscode/vsce@3"], package
     run([str(vsce), *words[2:]], source)
     archive = source / use.split()[-1]
     assert use.split()[:2] == ["code", "--install-extension"] and archive.exists(), use
