@@ -478,11 +478,13 @@ fn a_copy_under_another_name_is_the_same_model() {
         said(&report)
     );
     let resumed = folder.eng(&["run", "copy.eng", "--no-plots", "--resume", "--out", left]);
-    assert!(
-        said(&resumed).contains("was complete"),
-        "{}",
-        said(&resumed)
-    );
+    let told = said(&resumed);
+    assert!(told.contains("was complete"), "{told}");
+    for name in ["swing.parquet", "swing.motion.parquet"] {
+        let line = format!("{name} is complete, nothing was written\n");
+        assert!(told.contains(&line), "{told}");
+    }
+    assert!(!told.contains("  wrote "), "{told}");
 }
 
 #[test]

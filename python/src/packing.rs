@@ -157,6 +157,7 @@ pub fn restored(bytes: &[u8], analysis: &Analysis) -> Result<(RunOutcome, String
         point: analysis.point().to_vec(),
         periodic: packed.periodic,
         gradients: gradients.collect::<Result<_, RestoreError>>()?,
+        made_before: false,
         timings: None,
     };
     Ok((outcome, packed.messages))

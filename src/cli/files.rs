@@ -116,19 +116,40 @@ pub(super) fn draw_all(
     draw(figures, failed, folder, arguments, console)
 }
 
-/// Prints the names of written files.
+/// Removes the file of an earlier failed run, which is out of date beside a whole one.
+fn remove_failed(path: &Path) {
+    if let Some(twin) = failed_twin(path) {
+        // if it cannot be removed, its name still marks it as failed
+        let _ = std::fs::remove_file(twin);
+    }
+}
+
+/// Prints the name of a written file.
 pub(super) fn wrote(
     path: &Path,
     arguments: &RunArguments,
     console: &mut Terminal<'_>,
 ) -> Result<(), Stop> {
-    // files of an earlier failed run are out of date; if one cannot be removed, its name still marks it as
-    // failed
-    if let Some(twin) = failed_twin(path) {
-        let _ = std::fs::remove_file(twin);
-    }
+    remove_failed(path);
     if !arguments.quiet {
         writeln!(console.output, "  wrote {}", path.display())?;
+    }
+    Ok(())
+}
+
+/// Prints the name of a file that an earlier run has completed.
+pub(super) fn complete(
+    path: &Path,
+    arguments: &RunArguments,
+    console: &mut Terminal<'_>,
+) -> Result<(), Stop> {
+    remove_failed(path);
+    if !arguments.quiet {
+        writeln!(
+            console.output,
+            "  {} is complete, nothing was written",
+            path.display()
+        )?;
     }
     Ok(())
 }

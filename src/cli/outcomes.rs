@@ -1,7 +1,7 @@
 //! The output of a run for each analysis that ends: messages, tables, files.
 
 use super::arguments::RunArguments;
-use super::files::{draw_all, or_stop, wrote};
+use super::files::{complete, draw_all, or_stop, wrote};
 use super::terminal::Terminal;
 use super::{Refusal, Stop};
 use crate::analysis::Failed;
@@ -161,7 +161,7 @@ impl<'a> Outcomes<'a> {
         several.map(line).collect()
     }
 
-    /// Prints the table of an analysis and the names of its files, which the run itself has written. Writes
+    /// Prints the table of an analysis and the names of its files, which the run itself or an earlier one has written. Writes
     /// the other requested files.
     fn written(&self, outcome: &RunOutcome, console: &mut Terminal<'_>) -> Result<(), Stop> {
         let Outcomes {
@@ -171,17 +171,21 @@ impl<'a> Outcomes<'a> {
         if !arguments.quiet {
             write!(console.output, "{}", outcome_text(outcome))?;
         }
+        let tell = |path: &Path, console: &mut Terminal<'_>| match outcome.made_before {
+            true => complete(path, arguments, console),
+            false => wrote(path, arguments, console),
+        };
         for written in std::iter::once(results).chain(&outcome.motion) {
             let path = folder.join(format!("{}.parquet", written.stem()));
-            wrote(&path, arguments, console)?;
+            tell(&path, console)?;
         }
         let matrices = crate::matrices::file_of(folder, results.analysis());
         if results.are_modes() && results.failure().is_none() && matrices.is_file() {
-            wrote(&matrices, arguments, console)?;
+            tell(&matrices, console)?;
         }
         let gradients = gradients_file(folder, results.analysis());
         if results.are_samples() && results.failure().is_none() && gradients.is_file() {
-            wrote(&gradients, arguments, console)?;
+            tell(&gradients, console)?;
         }
         if arguments.csv {
             let path = or_stop(results.write_csv(folder), console)?;

@@ -120,6 +120,7 @@ impl Entry {
                 point: described.point.clone(),
                 periodic: Repetition::of(results.metadata()).map(|r| (r.cycles, r.repeats)),
                 gradients: Vec::new(),
+                made_before: false,
                 timings: None,
                 results,
                 motion,

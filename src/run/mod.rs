@@ -42,6 +42,8 @@ pub struct RunOutcome {
     pub periodic: Option<(u32, bool)>,
     /// The derivatives of the channels by the parameters that the analysis names.
     pub gradients: Vec<Gradient>,
+    /// Whether an earlier run had completed it, so that this one computed and wrote nothing.
+    pub made_before: bool,
     /// Processor time of the phases, if the analysis is [`Analysis::timed`].
     pub timings: Option<Timings>,
 }
@@ -371,6 +373,7 @@ fn run_outcome(analysis: &Analysis, outcome: Outcome) -> Result<RunOutcome, Erro
         point: analysis.point().to_vec(),
         periodic: repetition.map(|r| (r.cycles, r.repeats)),
         gradients: outcome.gradients,
+        made_before: outcome.made_before,
         timings: outcome.timings.map(|spent| Timings { cells, ..spent }),
         motion: (outcome.motion.samples() > 0).then_some(outcome.motion),
         results: outcome.results,

@@ -69,6 +69,7 @@ impl Study {
                 point: analysis.point().to_vec(),
                 periodic: (analysis.kind().rows() == Rows::Cycle).then_some((0, false)),
                 gradients: Vec::new(),
+                made_before: false,
                 timings: None,
             };
             for column in self.numbers(&empty).0.columns() {
