@@ -246,95 +246,108 @@ fn surfaces_are_shells_of_a_stated_thickness() {
     );
 }
 
-/// Each wrong file with the beginning of its message after the name of the file, and a part of the advice.
+/// Each wrong file with the beginning of its message after the name of the file, and a part of the advice. STEP is the folder
+/// of the only step.
+const WRONG: [(&str, &str, &str); 21] = [
+    (
+        "version",
+        "INFOS_GENERALES: the file has version 5.2 of MED",
+        "from 2.2 to 4",
+    ),
+    (
+        "no_version",
+        "the HDF5 data state no version of MED",
+        "give a MED file",
+    ),
+    ("no_mesh", "the file has no mesh", "write the mesh"),
+    (
+        "meshes",
+        "the file has 2 meshes: kinds, other",
+        "a file of its own",
+    ),
+    (
+        "steps",
+        "ENS_MAA/kinds: the mesh changes in 2 computing steps",
+        "undeformed",
+    ),
+    (
+        "structured",
+        "ENS_MAA/kinds: the mesh is structured",
+        "unstructured",
+    ),
+    (
+        "cylindrical",
+        "STEP/NOE: the nodes have cylindrical or spherical",
+        "Cartesian",
+    ),
+    (
+        "part",
+        "STEP/NOE: the mesh is a part of a mesh",
+        "the whole mesh",
+    ),
+    (
+        "packed",
+        "STEP/NOE/COO: it has datasets in compressed",
+        "h5repack -f NONE",
+    ),
+    (
+        "polyhedra",
+        "STEP/MAI/POE: the mesh has polygons or polyhedra",
+        "tetrahedra",
+    ),
+    (
+        "middle",
+        "STEP/MAI/H27: Eng does not read cells H27",
+        "order 2 without nodes",
+    ),
+    (
+        "node",
+        "STEP/MAI/HE8: cell 1 uses node 13, but the mesh has 12",
+        "all its nodes",
+    ),
+    (
+        "no_node",
+        "STEP/MAI/HE8: cell 1 uses node 0,",
+        "all its nodes",
+    ),
+    (
+        "odd",
+        "STEP/MAI/HE8: it has 9 nodes, 1 families and 0 numbers",
+        "again",
+    ),
+    (
+        "reals",
+        "STEP/MAI/HE8/NOD: its values are no whole numbers",
+        "again",
+    ),
+    (
+        "infinite",
+        "STEP/NOE/COO: its values are no finite real",
+        "again",
+    ),
+    ("numbers", "STEP/NOE: two nodes have the number 1", "again"),
+    ("no_nodes", "STEP: the mesh has no nodes NOE/COO", "again"),
+    (
+        "no_solids",
+        "the file has no solid element",
+        "`shells: [\"COVER\"]",
+    ),
+    (
+        "shared",
+        "FAS/kinds/ELEME/Shared_5/GRO/NOM: the file is damaged: its datasets share their values",
+        "again",
+    ),
+    (
+        "overlap",
+        "ENS_MAA/kinds/FAS: the file is damaged: a name has no end",
+        "again",
+    ),
+];
+
 #[test]
 fn wrong_files_and_their_messages() {
     let step = "ENS_MAA/kinds/-0000000000000000001-0000000000000000001";
-    for (name, problem, advice) in [
-        (
-            "version",
-            "INFOS_GENERALES: the file has version 5.2 of MED",
-            "from 2.2 to 4",
-        ),
-        (
-            "no_version",
-            "the HDF5 data state no version of MED",
-            "give a MED file",
-        ),
-        ("no_mesh", "the file has no mesh", "write the mesh"),
-        (
-            "meshes",
-            "the file has 2 meshes: kinds, other",
-            "a file of its own",
-        ),
-        (
-            "steps",
-            "ENS_MAA/kinds: the mesh changes in 2 computing steps",
-            "undeformed",
-        ),
-        (
-            "structured",
-            "ENS_MAA/kinds: the mesh is structured",
-            "unstructured",
-        ),
-        (
-            "cylindrical",
-            "STEP/NOE: the nodes have cylindrical or spherical",
-            "Cartesian",
-        ),
-        (
-            "part",
-            "STEP/NOE: the mesh is a part of a mesh",
-            "the whole mesh",
-        ),
-        (
-            "packed",
-            "STEP/NOE/COO: it has datasets in compressed",
-            "h5repack -f NONE",
-        ),
-        (
-            "polyhedra",
-            "STEP/MAI/POE: the mesh has polygons or polyhedra",
-            "tetrahedra",
-        ),
-        (
-            "middle",
-            "STEP/MAI/H27: Eng does not read cells H27",
-            "order 2 without nodes",
-        ),
-        (
-            "node",
-            "STEP/MAI/HE8: cell 1 uses node 13, but the mesh has 12",
-            "all its nodes",
-        ),
-        (
-            "no_node",
-            "STEP/MAI/HE8: cell 1 uses node 0,",
-            "all its nodes",
-        ),
-        (
-            "odd",
-            "STEP/MAI/HE8: it has 9 nodes, 1 families and 0 numbers",
-            "again",
-        ),
-        (
-            "reals",
-            "STEP/MAI/HE8/NOD: its values are no whole numbers",
-            "again",
-        ),
-        (
-            "infinite",
-            "STEP/NOE/COO: its values are no finite real",
-            "again",
-        ),
-        ("numbers", "STEP/NOE: two nodes have the number 1", "again"),
-        ("no_nodes", "STEP: the mesh has no nodes NOE/COO", "again"),
-        (
-            "no_solids",
-            "the file has no solid element",
-            "`shells: [\"COVER\"]",
-        ),
-    ] {
+    for (name, problem, advice) in WRONG {
         let error = try_read(data(&format!("med/wrong_{name}.med"))).unwrap_err();
         let text = error.to_string();
         let wanted = format!("a.med: {}", problem.replace("STEP", step));
@@ -346,8 +359,41 @@ fn wrong_files_and_their_messages() {
             error.advice()
         );
     }
-    // these have no groups, and a folder that Eng does not know
-    assert!(mesh("wrong_no_groups").sets.is_empty());
+    // another format has its own message
+    let deck = Memory::new(&[("a.med", "SOL 103\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\n")]);
+    let error = read_mesh(&deck, "a.med", MeshFormat::Med).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("states `med(…)`, but the file holds cards of Nastran")
+    );
+}
+
+/// Groups are lost if the file does not describe the families of their members. A family without groups loses none.
+#[test]
+fn families_without_a_description_are_noted() {
+    let notes = |nodes: usize, cells: usize| {
+        [("nodes", nodes), ("cells", cells)].map(|(members, count)| {
+            format!(
+                "the file does not describe the families of some {members} ({count}), so their groups are lost"
+            )
+        })
+    };
+    // six nodes are in a family without groups
+    assert!(mesh("kinds1").doubts.is_empty());
+    assert!(mesh("old").doubts.is_empty());
+    let rest = mesh("wrong_lost");
+    assert_eq!(rest.doubts, notes(2, 2));
+    assert_eq!(set(&rest, "BODY").elements().len(), 2);
+    let left: Vec<&str> = rest.sets.keys().map(String::as_str).collect();
+    assert_eq!(left, ["BODY", "LEFT"]);
+    let none = mesh("wrong_no_groups");
+    assert_eq!(none.doubts, notes(12, 4));
+    assert!(none.sets.is_empty());
+}
+
+#[test]
+fn unknown_folders_are_noted() {
     let unknown = mesh("wrong_unknown");
     let names: Vec<(&str, Carries)> = unread(&unknown).iter().map(|u| (u.0, u.2)).collect();
     assert!(
@@ -357,14 +403,6 @@ fn wrong_files_and_their_messages() {
     assert!(
         names.contains(&("folder STRUCT_ELEM", Carries::Unknown)),
         "{names:?}"
-    );
-    // another format has its own message
-    let deck = Memory::new(&[("a.med", "SOL 103\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\n")]);
-    let error = read_mesh(&deck, "a.med", MeshFormat::Med).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("states `med(…)`, but the file holds cards of Nastran")
     );
 }
 

@@ -1,6 +1,6 @@
 //! Families: each node and each cell belongs to one, and a family belongs to any number of named groups.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::folder::{AGAIN, File, Folder, text};
 use crate::error::FileProblem;
@@ -15,6 +15,8 @@ pub(super) struct Families {
     pub nodes: BTreeMap<i64, Vec<String>>,
     /// Of cells, with negative numbers.
     pub cells: BTreeMap<i64, Vec<String>>,
+    /// The numbers of all families in the file, with groups or without.
+    described: BTreeSet<i64>,
 }
 
 impl Families {
@@ -30,6 +32,11 @@ impl Families {
         Ok(families)
     }
 
+    /// Whether a node or a cell has a family that the file does not describe, so its groups are lost. Zero is no family.
+    pub fn is_lost(&self, number: i64) -> bool {
+        number != 0 && !self.described.contains(&number)
+    }
+
     fn take(&mut self, file: &File<'_>, folder: &Folder<'_>) -> Result<(), FileProblem> {
         for name in folder.names() {
             if ["ELEME", "NOEUD"].contains(&name) {
@@ -41,6 +48,7 @@ impl Families {
             let Some(number) = file.attribute(&family, "NUM")? else {
                 return Err(file.problem(&family.path, "the family has no number NUM", AGAIN));
             };
+            self.described.insert(number);
             let Some(groups) = file.open(&family, "GRO")? else {
                 continue;
             };

@@ -135,6 +135,7 @@ impl<'f, 's> Model<'f, 's> {
             let problem = format!("two nodes have the number {number}");
             return Err(file.problem(&folder.path, &problem, AGAIN));
         }
+        self.doubt_lost("nodes", families.iter().copied());
         for (index, family) in (0_u32..).zip(&families) {
             let groups = self.families.nodes.get(family).cloned().unwrap_or_default();
             for group in groups {
@@ -182,6 +183,10 @@ impl<'f, 's> Model<'f, 's> {
                 None => self.note(&format!("cells {name}"), 1, Carries::Unknown),
             }
         }
+        let of_cells = |cells: &Cells| -> Vec<i64> {
+            (0..cells.count).map(|cell| cells.family(cell)).collect()
+        };
+        self.doubt_lost("cells", all.iter().flat_map(of_cells));
         let first = first_numbers(&all);
         let mut on_solid = vec![false; self.mesh.nodes.len()];
         for (cells, first) in all.iter().zip(&first) {
@@ -323,6 +328,18 @@ impl<'f, 's> Model<'f, 's> {
     fn note(&mut self, name: &str, count: u64, carries: Carries) {
         let unread = self.unread.entry(name.to_owned());
         unread.or_insert((0, carries)).0 += count;
+    }
+
+    /// Notes the nodes or cells of these families whose groups are lost.
+    fn doubt_lost(&mut self, members: &str, families: impl Iterator<Item = i64>) {
+        let count = families
+            .filter(|family| self.families.is_lost(*family))
+            .count();
+        if count > 0 {
+            self.mesh.doubts.push(format!(
+                "the file does not describe the families of some {members} ({count}), so their groups are lost"
+            ));
+        }
     }
 
     /// Notes the folders of the file beside those of the mesh.

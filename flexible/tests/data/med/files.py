@@ -2,9 +2,11 @@
 
 `kinds1`, `kinds2`: one solid of each shape, of both orders. `many`: a family for each of 300 cells. `old`: the mesh of
 `kinds1` in the layout of MED 2.2. `mirrored`: `kinds2` with mirrored solids. `cover`: a hexahedron, shells
-beside it and a face of it. `wrong_*`: copies of `kinds1` with one mistake each.
+beside it and a face of it. `wrong_*`: copies of `kinds1` (`wrong_overlap`: of `old`) with one mistake each.
 """
 import os
+import re
+import shutil
 
 import gmsh
 import h5py
@@ -153,6 +155,55 @@ def with_node(step, node):
     replaced(step["MAI/HE8"], "NOD", nodes)
 
 
+def lose(file, mesh, step):
+    """Families of two cells and of two nodes without a description. That of other nodes has one, but no groups."""
+    del file["FAS/kinds/ELEME/Family_-3"], file["FAS/kinds/NOEUD/Family_6"]
+
+
+def share(file, mesh, step):
+    """Eight families with one list of names, which is most of the file: more than four times its bytes in all."""
+    families = file["FAS/kinds/ELEME"]
+    names = np.frombuffer(families["Family_-2/GRO/NOM"][:].tobytes(), "i1")
+    first = families.create_group("Shared_1")
+    first.create_group("GRO").create_dataset("NOM", data=np.tile(names, 2000))
+    for number in range(1, 9):
+        family = families.require_group(f"Shared_{number}")
+        family.attrs["NUM"] = -100 - number
+        if number > 1:
+            family["GRO"] = first["GRO"]
+
+
+def overlap():
+    """`old` with families whose names are ends of one long name."""
+    places = range(10)
+    shutil.copy("old.med", "wrong_overlap.med")
+    long = b"F" * 2000
+    with h5py.File("wrong_overlap.med", "r+", libver="earliest") as file:
+        families = file["ENS_MAA/kinds/FAS"]
+        for name in (long.decode(), *(f"OVERLAP_{place}" for place in places)):
+            families.create_group(name).attrs["NUM"] = np.int32(0)
+    with open("wrong_overlap.med", "rb") as file:
+        data = bytearray(file.read())
+    # a name is an offset in the data of a heap, whose address is 24 bytes behind its beginning; the entries of a symbol
+    # node have 40 bytes each
+    heaps = [at.start() for at in re.finditer(b"HEAP", bytes(data))]
+    begins = [int.from_bytes(data[at + 24 : at + 32], "little") for at in heaps]
+    begin = max(begin for begin in begins if begin <= data.index(long))
+    changed = 0
+    for place in places:
+        old = (data.index(b"OVERLAP_%d\0" % place) - begin).to_bytes(8, "little")
+        new = (data.index(long) - begin + place).to_bytes(8, "little")
+        for node in re.finditer(b"SNOD", bytes(data)):
+            count = int.from_bytes(data[node.start() + 6 : node.start() + 8], "little")
+            for entry in range(node.start() + 8, node.start() + 8 + 40 * count, 40):
+                if data[entry : entry + 8] == old:
+                    data[entry : entry + 8] = new
+                    changed += 1
+    assert changed == len(places), changed
+    with open("wrong_overlap.med", "wb") as file:
+        file.write(data)
+
+
 def mirror(file, mesh, step):
     for kind, order in MIRRORED.items():
         replaced(step["MAI"][kind], "NOD", step["MAI"][kind]["NOD"][:][order])
@@ -187,5 +238,8 @@ wrong("no_nodes", lambda file, mesh, step: step.__delitem__("NOE"))
 wrong("no_solids", lambda file, mesh, step: [step["MAI"].__delitem__(kind) for kind in ("HE8", "PE6", "PY5", "TE4")])
 wrong("no_groups", lambda file, mesh, step: file.__delitem__("FAS"))
 wrong("unknown", lambda file, mesh, step: (file.create_group("CHA"), file.create_group("STRUCT_ELEM")))
+wrong("lost", lose)
+wrong("shared", share)
+overlap()
 
 changed("mirrored", "kinds2", mirror)
