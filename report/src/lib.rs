@@ -130,9 +130,12 @@ pub mod internals {
 
     /// Numbers of tables, and the scripts of a page.
     pub mod page {
-        pub use crate::animation::viewer::SCRIPT as VIEWER;
-        pub use crate::page::FIGURES;
         pub use crate::page::table::{shortened, significant};
+
+        /// The script of figures.
+        pub const FIGURES: &str = crate::page::FIGURES;
+        /// The script of animations.
+        pub const VIEWER: &str = crate::animation::SCRIPT;
     }
 
     /// Marks of axes.

@@ -93,7 +93,6 @@ pub mod internals {
     pub use crate::start::balance::turning::derivative::{PeriodicDerivative, Repeats, refined};
     pub use crate::start::balance::turning::krylov::{Solution, gmres};
     pub use crate::start::picking::{Picked, free_of, split, unit_rows};
-    pub use crate::start::turn_extremes::largest;
     pub use crate::thread_pool::ThreadPool;
     pub use crate::topology::{dependencies, dependent_rows};
 
@@ -145,6 +144,11 @@ pub mod internals {
         ) -> Option<Vec<Complex<f64>>> {
             Transfer::new(matrices, input).at(omega)
         }
+    }
+
+    /// Where a quantity is largest over a turn (rad), and its value there.
+    pub fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
+        crate::start::turn_extremes::largest(angles, values)
     }
 
     /// The value of an input at a time (s) between two points, each with its time (s).

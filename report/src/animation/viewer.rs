@@ -9,7 +9,7 @@ use crate::figure::significant;
 use std::fmt::Write;
 
 /// The viewer's script, for a page with at least one animation.
-pub const SCRIPT: &str = include_str!("viewer.js");
+pub(crate) const SCRIPT: &str = include_str!("viewer.js");
 
 impl Animation {
     /// Part of a page; no other part of it has the same `id`.

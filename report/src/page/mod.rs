@@ -18,7 +18,7 @@ use crate::figure::Figure;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
-pub const FIGURES: &str = include_str!("figure.js");
+pub(crate) const FIGURES: &str = include_str!("figure.js");
 
 /// A part of a section.
 #[derive(Clone, Debug, PartialEq)]

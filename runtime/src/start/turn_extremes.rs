@@ -84,7 +84,7 @@ impl Following {
 /// Where a quantity is largest, and its value there: the vertex of the parabola through the largest value and
 /// its neighbours. The last position is the first of the next turn. Angles in rad, values in their own unit;
 /// both results are NaN for values that are no numbers.
-pub fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
+pub(crate) fn largest(angles: &[f64], values: &[f64]) -> (f64, f64) {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let alike = ALIKE * (most - least);
