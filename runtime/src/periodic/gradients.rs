@@ -16,9 +16,9 @@
 
 use super::PLAIN;
 use super::repetition::{Growth, slowest};
-use crate::error::RuntimeError;
+use crate::error::{Moment, RuntimeError};
 use crate::integrator::Variation;
-use crate::simulation::{Gradients, SampleGradient, Units};
+use crate::simulation::{Gradients, SampleGradient, Units, Warning};
 use crate::transient::{Advance, Observer, Onwards, follow, parameters_of};
 use eng_system::code::Compiled;
 use eng_system::dense::{dot, largest};
@@ -29,8 +29,10 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
 /// Multiple of the requested change at which the derivatives of the state count as near their limit, so that all samples of
-/// the next cycle are of use. A choice: this cycle and the next one bring them nearer.
+/// the next cycle are of use. A choice: this cycle and the next one bring them nearer. If channels then change too much, the
+/// multiple falls by as much, within these limits: a channel may be a small difference of large numbers.
 const NEAR: f64 = 3.0;
+const NEARER: [f64; 2] = [1e-2, 0.3];
 /// Share of a residual above which it counts as slow, so that an acceleration is of use; and the largest share that an
 /// acceleration may leave. Choices: a tenth is lost in each plain cycle, and a fit that leaves more than half is none.
 const SLOW: f64 = 0.1;
@@ -52,8 +54,13 @@ const DESCRIBED: f64 = 0.03;
 const UNTOUCHED: f64 = 1e-6;
 /// Least size of a derivative: as a share of the largest one of the same dimension (except lengths), and of the size of
 /// channels of this dimension over the parameter. Choices: the first is that of swings of channels, and a derivative below
-/// the second changes a channel by less than a thousandth if the parameter doubles.
-const LEAST: [f64; 2] = [1e-2, 1e-3];
+/// the second changes a channel by less than a hundredth if the parameter doubles.
+const LEAST: [f64; 2] = [1e-2, 1e-2];
+/// Share of the least change so far above which the changes of derivatives no longer shrink, the number of such cycles, and the
+/// largest change that may then be noise of the steps. Choices: those of the motion itself, and a tenth is still of use.
+const STANDSTILL: f64 = 0.5;
+const NOISY_CYCLES: u32 = 3;
+const NOISE: f64 = 0.1;
 /// The part of the progress that the motion takes, if derivatives follow.
 pub(super) const OF_MOTION: f64 = 0.5;
 
@@ -165,6 +172,7 @@ impl Repeated<'_> {
             pairs: Vec::new(),
             deviations: VecDeque::new(),
             done: 0,
+            near: NEAR,
             least: f64::INFINITY,
             standing: 0,
             ends: Vec::new(),
@@ -235,6 +243,8 @@ struct Cycles<'a> {
     /// The deviation at the ends of the last cycles (in units), the newest first.
     deviations: VecDeque<Vec<f64>>,
     done: u32,
+    /// The multiple of the requested change at which the state is near its limit.
+    near: f64,
     /// The least residual so far as a share of the derivatives, and the number of cycles since then.
     least: f64,
     standing: u32,
@@ -263,6 +273,8 @@ impl Cycles<'_> {
         let parameters = self.carried.len() - 1;
         let mut before: Option<Rows> = None;
         let mut slowest = None;
+        // the least change of channels so far, and the number of cycles without a smaller one
+        let (mut least, mut noisy) = (f64::INFINITY, 0);
         while self.done < self.of.limit.cycles {
             let last = self.done + 2 >= self.of.limit.cycles && self.done > 0;
             let whole = last || self.near();
@@ -290,6 +302,21 @@ impl Cycles<'_> {
                 }
                 if repeats && self.deviation() == Deviation::Stays {
                     break;
+                }
+                if let Some(slowest) = slowest.filter(|_| !repeats) {
+                    let shrinks = slowest.change <= STANDSTILL * least;
+                    noisy = if shrinks { 0 } else { noisy + 1 };
+                    least = least.min(slowest.change);
+                    let decays = matches!(self.deviation(), Deviation::Decays(_));
+                    if decays && noisy >= NOISY_CYCLES && slowest.change <= NOISE {
+                        self.warn_of_noise(onwards, observer, slowest);
+                        return Ok(rows);
+                    }
+                    let [most, least] = NEARER;
+                    self.near *= (limit / slowest.change.max(slowest.distance)).clamp(most, least);
+                    if !self.near() {
+                        self.accelerate();
+                    }
                 }
             }
             before = Some(rows);
@@ -411,7 +438,7 @@ impl Cycles<'_> {
         } else if self.least.is_finite() {
             self.standing += 1;
         }
-        let near = NEAR * self.of.limit.change;
+        let near = self.near * self.of.limit.change;
         let deviation = self.carried.len() - 1;
         for (index, carried) in self.carried.iter_mut().enumerate().take(deviation) {
             let left = norm(&carried.residual);
@@ -443,7 +470,7 @@ impl Cycles<'_> {
             let left = norm(&carried.residual) * reach.max(1.0);
             !carried.residual.is_empty()
                 && carried.plain > 0
-                && left <= NEAR * self.of.limit.change * size
+                && left <= self.near * self.of.limit.change * size
         })
     }
 
@@ -584,6 +611,31 @@ impl Cycles<'_> {
             }
         }
         slowest
+    }
+
+    /// Gives a warning for derivatives that repeat but for noise of the steps.
+    fn warn_of_noise(&self, onwards: &Onwards, observer: &mut dyn Observer, slowest: Slowest) {
+        let Some((origin, _)) = self.gradients.parameter(slowest.parameter) else {
+            return;
+        };
+        let channel = self.of.compiled.system.channels.get(slowest.channel);
+        let simulation = &onwards.simulation;
+        observer.warning(&Warning {
+            name: String::new(),
+            origin: origin.clone(),
+            message: format!(
+                "the gradients by {} repeat but for noise of the steps: the derivative of {} changes by {} % of its size from cycle to cycle; \
+                 state a smaller `tolerance`",
+                origin.path,
+                channel.map_or("a channel", |channel| channel.path.as_str()),
+                short(100.0 * slowest.change, 2)
+            ),
+            label: "the derivatives by it have noise",
+            moment: Moment {
+                time: simulation.time(),
+                cycle_angle: simulation.cycle_angle(),
+            },
+        });
     }
 
     /// The reason for derivatives that do not repeat.
