@@ -77,6 +77,8 @@ const ALIKE: f64 = 2.0;
 const UNLIKE: f64 = 5.0;
 /// Least number of plain cycles after a leap: two differences show whether the changes shrink.
 const PLAIN_CYCLES: usize = 3;
+/// Least number of cycles with gradients: derivatives follow a cycle without samples, and then two are compared.
+const LEAST_FOR_GRADIENTS: u32 = 3;
 /// Most samples of a cycle. A choice: the samples of a cycle are kept in memory.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -171,6 +173,12 @@ pub fn run_periodic(
         ));
     }
     if !periodic.gradients.is_empty() {
+        if periodic.cycles < LEAST_FOR_GRADIENTS {
+            return refuse(format!(
+                "`cycles` is {}, and must be at least {LEAST_FOR_GRADIENTS} with `gradients`: their derivatives repeat behind a first cycle",
+                periodic.cycles
+            ));
+        }
         let parameters = parameters_of(compiled, &periodic.gradients)?;
         Gradients::refuse_early(compiled, overrides, &parameters, &model)?;
     }
@@ -776,9 +784,33 @@ impl Cycles<'_> {
             samples: self.samples,
             values: &self.last.values,
             growing: &self.growing,
+            moving: self.moving(),
             length: TOLERANCES * onwards.simulation.model().tolerance,
         };
         repeated.gradients(overrides, onwards, self.observer)
+    }
+
+    /// The states that differ between the beginning and the end of the last cycle, by more than the requested change of their
+    /// swing.
+    fn moving(&self) -> Vec<bool> {
+        let samples = self.last.heads.len();
+        let width = self.last.motion.len() / samples.max(1);
+        let of = |index: usize| {
+            let mut values = self.last.motion.iter().skip(index).step_by(width);
+            let first = *values.next()?;
+            let extremes = values.fold((first, first, first), |(low, high, _), x| {
+                (x.min(low), x.max(high), *x)
+            });
+            Some((first, extremes))
+        };
+        (self.velocities..width)
+            .map(|index| {
+                let moves = of(index).map(|(first, (low, high, last))| {
+                    (last - first).abs() > self.limit.change * (high - low)
+                });
+                moves.unwrap_or(false)
+            })
+            .collect()
     }
 
     /// Gives the last whole cycle to the observer, with the derivatives at its samples. If the run ended within a cycle, it

@@ -11,13 +11,18 @@
 //! Anal. 49 (2011) 1715). At least two plain cycles decide about repetition.
 //!
 //! **What the motion keeps.** If a deviation neither decays nor grows, such as a turn of a free body, F_x has the eigenvalue 1.
-//! Then the start decides this part of the motion, and the equation for δx does not. A deviation by chance goes along and
+//! Then the start decides this part of the motion, and the equation for δx does not. A random deviation goes along and
 //! shows such a part: it is refused if it changes a channel.
+//!
+//! **States that grow.** A state that nothing reads, such as a work, may grow by the same amount in each cycle. It is left out of
+//! all sizes and comparisons, and its channels have the derivatives of their growth since the beginning of the cycle.
 
 use super::PLAIN;
 use super::repetition::{Growth, slowest};
+use crate::decay::SUSTAINED;
 use crate::error::{Moment, RuntimeError};
 use crate::integrator::Variation;
+use crate::model::Model;
 use crate::simulation::{Gradients, SampleGradient, Units, Warning};
 use crate::transient::{Advance, Observer, Onwards, follow, parameters_of};
 use eng_system::code::Compiled;
@@ -43,15 +48,18 @@ const STANDING: u32 = 3;
 /// Differences that are kept, and the share of the largest singular value below which a part of them is rounding.
 const KEPT: usize = 24;
 const SINGULAR: f64 = 1e-9;
-/// Share of a deviation by chance that is left when it has decayed; the largest share by which it changes in a cycle if it does
-/// not decay; and the share that a fit to a decay may leave. Choices: a part of a deviation that stays is seldom below a
-/// hundredth of numbers of chance, and a decay by less than two per cent a cycle would take hundreds of cycles.
+/// Largest number of a random deviation that is left when it has decayed; the largest share by which it changes in a cycle if it
+/// does not decay; and the share that a fit to a decay may leave, of the deviation and of its unit. Choices: its numbers begin
+/// between −1 and 1, so a part that stays is seldom below a hundredth, however many bodies there are; and a decay by less than
+/// two per cent a cycle would take hundreds of cycles.
 const DECAYED: f64 = 1e-2;
 const KEEPS: f64 = 0.02;
 const DESCRIBED: f64 = 0.03;
 /// Share of the size of a channel, for a deviation by the size of the model, below which this deviation does not change the
-/// channel. A choice above the rounding of samples.
+/// channel; and the rounding of positions as a share of the model's length. Choices: the first is far below all that counts, and
+/// the second is ten rounding units.
 const UNTOUCHED: f64 = 1e-6;
+const ROUNDING: f64 = 1e-15;
 /// Least size of a derivative: as a share of the largest one of the same dimension (except lengths), and of the size of
 /// channels of this dimension over the parameter. Choices: the first is that of swings of channels, and a derivative below
 /// the second changes a channel by less than a hundredth if the parameter doubles.
@@ -104,6 +112,8 @@ pub(super) struct Repeated<'a> {
     pub values: &'a [f64],
     /// Channels that grow in each cycle.
     pub growing: &'a [Growth],
+    /// The states that differ between the beginning and the end of the last cycle.
+    pub moving: Vec<bool>,
     /// The smallest length that the model resolves (m).
     pub length: f64,
 }
@@ -164,10 +174,16 @@ impl Repeated<'_> {
         let gradients = Gradients::of_repeated(self.compiled, overrides, &parameters, simulation)?;
         let units = Units::of(simulation);
         let count = gradients.count();
+        // an increment displaces markers by `reach`; the share of rounding in a difference of films is
+        // that of the positions in the film, over that of the increment in the model
+        let size = simulation.model().length;
+        let rounding = ROUNDING * (size / self.length) * (size / gradients.reach());
         let mut cycles = Cycles {
             of: self,
             gradients,
             units,
+            integrals: self.moving.clone(),
+            untouched: UNTOUCHED.max(rounding),
             carried: vec![Carried::default(); count],
             pairs: Vec::new(),
             deviations: VecDeque::new(),
@@ -226,6 +242,8 @@ impl Repeated<'_> {
 enum Deviation {
     /// They decay; the sum of all later changes is this multiple of a change.
     Decays(f64),
+    /// They grow.
+    Grows,
     /// A part of them stays.
     Stays,
     /// The cycles do not show it yet.
@@ -237,6 +255,10 @@ struct Cycles<'a> {
     of: &'a Repeated<'a>,
     gradients: Gradients,
     units: Units,
+    /// The states that grow and that nothing reads; in the first cycle those of which this is still possible.
+    integrals: Vec<bool>,
+    /// The share of the size of channels that a deviation by a unit may change without an effect.
+    untouched: f64,
     /// Of each parameter, and of the deviation behind them.
     carried: Vec<Carried>,
     pairs: Vec<Pair>,
@@ -281,13 +303,14 @@ impl Cycles<'_> {
             let watched = whole && !matches!(self.deviation(), Deviation::Decays(_));
             let mut rows = self.cycle(onwards, observer, whole, watched)?;
             self.done += 1;
-            self.refuse_infinite()?;
+            self.refuse_infinite(onwards)?;
             if !whole {
                 before = None;
                 self.accelerate();
                 continue;
             }
-            let decided = !watched || self.untouched(rows.last());
+            let decays = matches!(self.deviation(), Deviation::Decays(_));
+            let decided = !watched || decays || self.untouched(rows.last());
             rows.truncate(parameters);
             self.since_the_beginning(&mut rows);
             if let Some(before) = &before {
@@ -307,7 +330,6 @@ impl Cycles<'_> {
                     let shrinks = slowest.change <= STANDSTILL * least;
                     noisy = if shrinks { 0 } else { noisy + 1 };
                     least = least.min(slowest.change);
-                    let decays = matches!(self.deviation(), Deviation::Decays(_));
                     if decays && noisy >= NOISY_CYCLES && slowest.change <= NOISE {
                         self.warn_of_noise(onwards, observer, slowest);
                         return Ok(rows);
@@ -364,6 +386,10 @@ impl Cycles<'_> {
             let step = onwards.step()?;
             if step > 0.0 {
                 self.gradients.follow(&mut onwards.simulation, step)?;
+                let some = self.done == 0 && self.integrals.contains(&true);
+                if some && self.gradients.reads(&onwards.simulation, &self.integrals)? {
+                    self.integrals.fill(false);
+                }
             }
             onwards.stepped(step);
             observer.stepped();
@@ -386,6 +412,9 @@ impl Cycles<'_> {
         let sections = self.gradients.sections(&onwards.simulation, &times);
         let deviation = self.carried.len() - 1;
         let first = self.ends.is_empty();
+        if first {
+            self.units.leave_out(&self.integrals);
+        }
         for (index, (carried, section)) in self.carried.iter_mut().zip(sections).enumerate() {
             let image = self.units.numbers(&section);
             if !first {
@@ -438,6 +467,10 @@ impl Cycles<'_> {
         } else if self.least.is_finite() {
             self.standing += 1;
         }
+        // the samples at the end of a cycle begin the next one, so an acceleration must not lie between two whole cycles
+        if self.standing >= STANDING || self.done + 2 >= self.of.limit.cycles {
+            return;
+        }
         let near = self.near * self.of.limit.change;
         let deviation = self.carried.len() - 1;
         for (index, carried) in self.carried.iter_mut().enumerate().take(deviation) {
@@ -478,11 +511,11 @@ impl Cycles<'_> {
     fn reach(&self) -> f64 {
         match self.deviation() {
             Deviation::Decays(reach) => reach,
-            Deviation::Stays | Deviation::Open => 0.0,
+            Deviation::Grows | Deviation::Stays | Deviation::Open => 0.0,
         }
     }
 
-    /// What the deviation by chance shows.
+    /// What the random deviation shows.
     fn deviation(&self) -> Deviation {
         let (Some(now), Some(before)) = (self.deviations.front(), self.deviations.get(1)) else {
             return Deviation::Open;
@@ -498,11 +531,17 @@ impl Cycles<'_> {
             let [a, b] = fit.recurrence;
             let left = differs(&|i| a * before[i] + b * oldest.get(i).unwrap_or(&0.0));
             let apart = (1.0 - a - b).abs();
-            if apart > KEEPS && left <= DESCRIBED * apart * size && fit.mode.factor < 1.0 {
-                return Deviation::Decays(fit.mode.reach());
+            if apart > KEEPS && left <= DESCRIBED * apart * size {
+                // a part that stays is of the size of the units, however large the rest is
+                if fit.mode.factor < 1.0 && left <= DESCRIBED * apart {
+                    return Deviation::Decays(fit.mode.reach());
+                }
+                if fit.mode.factor > SUSTAINED {
+                    return Deviation::Grows;
+                }
             }
         }
-        if size <= DECAYED * libm::sqrt(now.len() as f64) {
+        if largest(now) <= DECAYED {
             let factor = fit.map_or(0.0, |fit| fit.mode.factor.min(0.5));
             return Deviation::Decays(factor / (1.0 - factor));
         }
@@ -517,7 +556,7 @@ impl Cycles<'_> {
         let (Some(rows), Some(deviation)) = (rows, self.carried.last()) else {
             return true;
         };
-        let most = UNTOUCHED * largest(&self.units.numbers(&deviation.end));
+        let most = self.untouched * largest(&self.units.numbers(&deviation.end));
         let sizes = self.of.sizes();
         rows.iter().all(|row| {
             let pairs = row.channels.iter().zip(&sizes);
@@ -526,21 +565,58 @@ impl Cycles<'_> {
     }
 
     /// Refuses derivatives that are not finite.
-    fn refuse_infinite(&self) -> Result<(), RuntimeError> {
-        for (index, carried) in self.carried.iter().enumerate() {
-            let finite = norm(&self.units.numbers(&carried.end)).is_finite();
-            if let (false, Some((origin, _))) = (finite, self.gradients.parameter(index)) {
-                return Err(refused(format!(
-                    "the gradients by {} grow beyond all numbers from cycle to cycle: the motion is unstable; compare two runs",
-                    origin.path
-                )));
-            }
+    fn refuse_infinite(&self, onwards: &Onwards) -> Result<(), RuntimeError> {
+        let infinite = |of: &Carried| !norm(&self.units.numbers(&of.end)).is_finite();
+        let Some(index) = self.carried.iter().position(infinite) else {
+            return Ok(());
+        };
+        if index + 1 == self.carried.len() {
+            return Err(refused(self.grows(onwards)));
         }
-        Ok(())
+        let parameter = self.gradients.parameter(index);
+        Err(refused(format!(
+            "the gradients by {} grow beyond all numbers from cycle to cycle: the motion is unstable; compare two runs",
+            parameter.map_or("a parameter", |(origin, _)| origin.path.as_str())
+        )))
     }
 
-    /// Derivatives of channels that grow in each cycle are those of their growth since its beginning, if they themselves
-    /// grow: the channel's value depends on the number of cycles. Times are those since the beginning of the cycle.
+    /// The part of the motion that deviates most: the path of a body or of an element with states.
+    fn deviating<'m>(&'m self, model: &'m Model) -> &'m str {
+        let mut known = self.deviations.iter();
+        let finite = |numbers: &&Vec<f64>| norm(numbers).is_finite();
+        let numbers = known.find(finite).map_or(&[][..], |numbers| numbers);
+        let share = |from: usize, count: usize| numbers.get(from..from + count).map_or(0.0, norm);
+        let bodies = model.bodies.iter().map(|body| {
+            let places = share(body.velocity, body.width());
+            let velocities = share(model.velocities + body.velocity, body.width());
+            (places.max(velocities), body.origin.path.as_str())
+        });
+        let system = &self.of.compiled.system;
+        let elements = model.elements.iter().zip(&system.elements);
+        let elements = elements.map(|(element, info)| {
+            let states = system
+                .classes
+                .get(element.class)
+                .map_or(0, |c| c.states.len());
+            let states = share(2 * model.velocities + element.state, states);
+            (states, info.origin.path.as_str())
+        });
+        let most = bodies.chain(elements).max_by(|a, b| a.0.total_cmp(&b.0));
+        most.map_or("a state", |(_, path)| path)
+    }
+
+    /// The reason of a motion that is unstable.
+    fn grows(&self, onwards: &Onwards) -> String {
+        format!(
+            "the motion has no gradients: a deviation of {} grows from cycle to cycle, so the motion is unstable; damp this motion, or compare \
+             two runs",
+            self.deviating(onwards.simulation.model())
+        )
+    }
+
+    /// Derivatives of channels that grow in each cycle are those of their growth since its beginning: the channel's value
+    /// depends on the number of cycles. Angles and lengths keep their own derivatives, unless these grow too: such a derivative
+    /// is that of a place at the cycle's angle. Times are those since the beginning of the cycle.
     fn since_the_beginning(&self, rows: &mut Rows) {
         for rows in rows {
             let (Some(first), Some(last)) = (rows.first().cloned(), rows.last().cloned()) else {
@@ -555,7 +631,11 @@ impl Cycles<'_> {
                     .iter()
                     .fold(0.0_f64, |most, row| most.max(value(row).abs()));
                 let grows = (value(&last) - value(&first)).abs() > self.of.limit.change * size;
-                if !grows {
+                let channel = self.of.compiled.system.channels.get(growth.channel);
+                let place = channel.is_some_and(|channel| {
+                    [Dimension::ANGLE, Dimension::LENGTH].contains(&channel.dimension)
+                });
+                if place && !grows {
                     continue;
                 }
                 for row in rows.iter_mut() {
@@ -640,25 +720,24 @@ impl Cycles<'_> {
 
     /// The reason for derivatives that do not repeat.
     fn without_end(&self, onwards: &Onwards, slowest: Option<Slowest>) -> RuntimeError {
-        let model = onwards.simulation.model();
         let system = &self.of.compiled.system;
-        if !matches!(self.deviation(), Deviation::Decays(_))
-            && let Some(deviation) = self.carried.last()
-        {
-            let numbers = self.units.numbers(&deviation.end);
-            let share = |of: &crate::body::BodyModel| {
-                let range = of.velocity..of.velocity + of.width();
-                numbers.get(range).map_or(0.0, norm)
-            };
-            let body = model
-                .bodies
-                .iter()
-                .max_by(|a, b| share(a).total_cmp(&share(b)));
-            return refused(format!(
-                "the motion has no gradients: a deviation of {} does not decay from cycle to cycle, so its start decides the repeated motion and \
-                 not the parameters alone; hold or damp this motion, or compare two runs",
-                body.map_or("a state", |body| body.origin.path.as_str())
-            ));
+        let deviating = self.deviating(onwards.simulation.model());
+        match self.deviation() {
+            Deviation::Decays(_) => {}
+            Deviation::Grows => return refused(self.grows(onwards)),
+            Deviation::Stays => {
+                return refused(format!(
+                    "the motion has no gradients: a deviation of {deviating} does not decay from cycle to cycle, so its start decides the \
+                     repeated motion and not the parameters alone; hold or damp this motion, or compare two runs"
+                ));
+            }
+            Deviation::Open => {
+                return refused(format!(
+                    "the motion has no gradients: {} cycles do not show whether a deviation of {deviating} decays; state larger `cycles`, damp \
+                     this motion, or compare two runs",
+                    self.done
+                ));
+            }
         }
         let parameter = slowest.and_then(|slowest| self.gradients.parameter(slowest.parameter));
         let channel = slowest.and_then(|slowest| system.channels.get(slowest.channel));

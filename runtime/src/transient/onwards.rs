@@ -35,15 +35,14 @@ impl Onwards {
         }
     }
 
-    /// Takes a step. Returns its length (s), and the part of a cycle that is finished then, from the last call of
-    /// [`Onwards::begin_cycle`] on.
+    /// Takes a step. Returns its length (s).
     pub(crate) fn step(&mut self) -> Result<f64, RuntimeError> {
         let end = self.renewal.end(&self.simulation);
         let longest = self.points.longest_step(self.longest, &self.simulation);
         Ok(self.simulation.step_no_longer(end, longest)?.step)
     }
 
-    /// Ends a step, behind which no derivative of it is needed.
+    /// Ends a step, after its derivatives are carried on: at the end of a cycle the sequence of steps starts again.
     pub(crate) fn stepped(&mut self, step: f64) {
         self.renewal.after(&mut self.simulation, step);
     }

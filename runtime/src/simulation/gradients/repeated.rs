@@ -12,10 +12,9 @@
 //! cycles. So the state with the derivative δx stands at another time: its clock differs by δt. At the beginning and at the end
 //! of each cycle this δt leaves the angle θ of the cycle where it is: `δt` changes by `−δθ/θ̇`, and δx by `−ẋ δθ/θ̇`.
 //!
-//! A deviation without a parameter goes along: it shows whether deviations decay. It begins with numbers of chance, always
-//! the same ones.
+//! A deviation without a parameter goes along: it shows whether deviations decay. It is random, but the same in every run.
 
-use super::{AROUND, Beside, Gradients, Nearby, distance, reach};
+use super::{AROUND, Beside, Gradients, Nearby, distance, reach, residual_at};
 use crate::error::RuntimeError;
 use crate::integrator::Variation;
 use crate::model::Model;
@@ -25,8 +24,8 @@ use eng_system::code::Compiled;
 use eng_system::dense::add_scaled;
 use eng_system::system::Origin;
 
-/// Multiplier and increment of the numbers of chance (D. E. Knuth, The Art of Computer Programming 2, 3.3.4, line 26).
-const CHANCE: [u64; 2] = [6_364_136_223_846_793_005, 1_442_695_040_888_963_407];
+/// Multiplier and increment of the random numbers (D. E. Knuth, The Art of Computer Programming 2, 3.3.4, line 26).
+const RANDOM: [u64; 2] = [6_364_136_223_846_793_005, 1_442_695_040_888_963_407];
 
 /// The units of the derivatives of a state: the model's length and radian, their rates in the motion, and the scales of states.
 #[derive(Clone, Debug)]
@@ -60,6 +59,12 @@ impl Units {
         ]
         .map(|(numbers, units)| numbers.iter().zip(units).map(|(x, unit)| x / unit));
         places.chain(velocities).chain(states).collect()
+    }
+
+    /// Leaves states out: their numbers become zero.
+    pub fn leave_out(&mut self, states: &[bool]) {
+        let left_out = self.states.iter_mut().zip(states).filter(|(_, out)| **out);
+        left_out.for_each(|(unit, _)| *unit = f64::INFINITY);
     }
 }
 
@@ -103,7 +108,7 @@ impl Gradients {
             }
             besides.push(Beside::around(nearby, around, &base.model));
         }
-        besides.push(Beside::by_chance(&base.model, &Units::of(base)));
+        besides.push(Beside::random(&base.model, &Units::of(base)));
         let mut gradients = Gradients::beside(besides, base, reach)?;
         let state = base.integrator.current.clone();
         let mut defect = vec![0.0; base.model.velocities];
@@ -136,6 +141,38 @@ impl Gradients {
         sections.collect()
     }
 
+    /// Whether anything in the motion reads one of some states. A shift of these states by their scales then changes a bit of a
+    /// load, a rate or a constraint at the end of the last step.
+    ///
+    /// # Errors
+    /// A load that is not defined at the state.
+    pub(crate) fn reads(
+        &mut self,
+        base: &Simulation,
+        states: &[bool],
+    ) -> Result<bool, RuntimeError> {
+        let (from, model) = (&base.integrator, &base.model);
+        let mut shifted = from.current.clone();
+        for ((y, scale), of) in (shifted.states.iter_mut().zip(&model.state_scales)).zip(states) {
+            if *of {
+                *y += scale;
+            }
+        }
+        let mut bits = |state: &State| {
+            let mut residual = vec![0.0; from.unknowns()];
+            let rotations = &from.previous.rotations;
+            residual_at(&mut self.same, state, state.time, rotations, &mut residual)?;
+            let bits = residual.into_iter().map(f64::to_bits);
+            Ok::<Vec<u64>, RuntimeError>(bits.collect())
+        };
+        Ok(bits(&from.current)? != bits(&shifted)?)
+    }
+
+    /// The length (m) over which the forces of the model are smooth.
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// Adds a multiple of a difference of two sections to the derivatives by a parameter.
     pub(crate) fn move_section(&mut self, parameter: usize, factor: f64, by: &Variation) {
         if let Some(beside) = self.parameters.get_mut(parameter) {
@@ -161,11 +198,11 @@ impl Gradients {
 }
 
 impl Beside {
-    /// A deviation by numbers of chance from −1 to 1, in units.
-    fn by_chance(model: &Model, units: &Units) -> Beside {
+    /// A deviation of random numbers from −1 to 1, in units.
+    fn random(model: &Model, units: &Units) -> Beside {
         let mut state = 1_u64;
         let mut next = || {
-            state = state.wrapping_mul(CHANCE[0]).wrapping_add(CHANCE[1]);
+            state = state.wrapping_mul(RANDOM[0]).wrapping_add(RANDOM[1]);
             // 52 bits are a number from 1 to 2
             2.0 * f64::from_bits(0x3ff0_0000_0000_0000 | (state >> 12)) - 3.0
         };
