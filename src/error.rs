@@ -88,7 +88,7 @@ pub enum Error {
     },
     /// Gradients of an analysis that has none.
     #[error(
-        "{analysis} has no gradients: they belong to a motion in time, so name a transient analysis"
+        "{analysis} has no gradients: they belong to a motion in time, so name a `transient` or `periodic` analysis"
     )]
     NoGradients {
         /// The analysis.

@@ -77,7 +77,7 @@ pub(crate) fn differences(
     (0..a.len()).map(over).collect()
 }
 
-fn size(x: &[f64]) -> f64 {
+pub(crate) fn size(x: &[f64]) -> f64 {
     x.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
 }
 

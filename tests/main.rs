@@ -67,6 +67,7 @@ mod paper;
 mod paper_figures;
 mod paper_films;
 mod periodic_decay;
+mod periodic_gradients;
 mod periodic_results;
 mod quick_engine;
 mod radau;

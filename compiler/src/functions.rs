@@ -413,7 +413,7 @@ static ABOUT: [(&str, &str, &str); 52] = [
     (
         "gradient",
         "gradient(x, oil_temperature), gradient(x, main[*].radial_clearance)",
-        "the derivative of a number or signal of transients by a parameter that their `gradients` name",
+        "the derivative of a number or signal of motions by a parameter that the `gradients` of their analyses name",
     ),
 ];
 

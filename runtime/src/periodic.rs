@@ -12,7 +12,10 @@
 //! tolerance of the steps while an output still changes irregularly, this change is noise of the steps, and
 //! the summary reports it. The orbits of the journals show half-speed whirl ([`whirl`]), which does not
 //! repeat with the cycle.
+//!
+//! Derivatives by parameters follow the repeated motion behind its last cycle ([`gradients`]).
 
+mod gradients;
 pub mod leap;
 pub mod motion;
 pub mod repetition;
@@ -24,12 +27,15 @@ use crate::decay::{CycleReport, Decay, Mode};
 use crate::error::RuntimeError;
 use crate::linearised::Wanted;
 use crate::model::Model;
-use crate::simulation::{Energy, Section, Simulation, Slow, Warning};
+use crate::simulation::{Energy, Gradients, Section, Simulation, Slow, Warning};
 use crate::start::{StartReport, Unstable};
-use crate::transient::{Advance, Observer, Renewed, RunSummary, Sample, Verdict, run_by_cycles};
+use crate::transient::{
+    Advance, Observer, Onwards, Renewed, RunSummary, Sample, Verdict, parameters_of, run_by_cycles,
+};
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, Periodic, StepControl, Transient};
+use gradients::{Repeated, Row, Rows};
 use leap::Leaps;
 use motion::{Motion, Moved};
 use repetition::{Comparison, Growth};
@@ -71,6 +77,8 @@ const ALIKE: f64 = 2.0;
 const UNLIKE: f64 = 5.0;
 /// Least number of plain cycles after a leap: two differences show whether the changes shrink.
 const PLAIN_CYCLES: usize = 3;
+/// Least number of cycles with gradients: derivatives follow a cycle without samples, and then two are compared.
+const LEAST_FOR_GRADIENTS: u32 = 3;
 /// Most samples of a cycle. A choice: the samples of a cycle are kept in memory.
 const MOST_SAMPLES: f64 = 1e6;
 
@@ -164,12 +172,23 @@ pub fn run_periodic(
             periodic.cycles
         ));
     }
+    if !periodic.gradients.is_empty() {
+        if periodic.cycles < LEAST_FOR_GRADIENTS {
+            return refuse(format!(
+                "`cycles` is {}, and must be at least {LEAST_FOR_GRADIENTS} with `gradients`: their derivatives repeat behind a first cycle",
+                periodic.cycles
+            ));
+        }
+        let parameters = parameters_of(compiled, &periodic.gradients)?;
+        Gradients::refuse_early(compiled, overrides, &parameters, &model)?;
+    }
     let mut cycles = Cycles::new(&model, periodic, samples as usize, period, observer);
     cycles.wide = Wide::of(periodic, samples).filter(|_| !system.channels.is_empty());
     let transient = Transient {
         duration: Extent::Angle(period * f64::from(periodic.cycles)),
         sample: Extent::Angle(period / samples),
         integration: periodic.integration,
+        // they follow the motion that repeats
         gradients: Vec::new(),
         stop: None,
     };
@@ -183,13 +202,25 @@ pub fn run_periodic(
         cycles.begun = true;
         run = run_by_cycles(compiled, overrides, &transient, &mut cycles, period);
     }
-    cycles.give();
-    let (run, mut simulation) = run?;
-    let unstable = if cycles.repeats && cycles.comparison.stands() {
-        left_by(&mut simulation, period)?
-    } else {
-        None
+    let (run, mut onwards) = match run {
+        Ok(ran) => ran,
+        Err(error) => {
+            cycles.give(&[]);
+            return Err(error);
+        }
     };
+    let unstable = if cycles.repeats && cycles.comparison.stands() {
+        left_by(&mut onwards.simulation, period)
+    } else {
+        Ok(None)
+    };
+    let gradients = match &unstable {
+        Ok(_) => cycles.gradients(compiled, overrides, &mut onwards),
+        Err(_) => Ok(Vec::new()),
+    };
+    cycles.give(gradients.as_deref().unwrap_or_default());
+    let unstable = unstable?;
+    gradients?;
     let (erratic, motion) = (cycles.erratic(), cycles.mode());
     Ok(PeriodicSummary {
         run: RunSummary {
@@ -468,6 +499,10 @@ impl Observer for Cycles<'_> {
     }
 
     fn progress(&mut self, advance: &Advance) -> Verdict {
+        let share = match self.limit.gradients.is_empty() {
+            true => 1.0,
+            false => gradients::OF_MOTION,
+        };
         let run = advance.fraction * f64::from(self.limit.cycles);
         let expected = match &self.slowest {
             Some(Decay {
@@ -482,7 +517,7 @@ impl Observer for Cycles<'_> {
             _ => f64::from(self.limit.cycles),
         };
         self.observer.progress(&Advance {
-            fraction: self.progress.advance(run, expected),
+            fraction: share * self.progress.advance(run, expected),
             ..*advance
         })
     }
@@ -515,7 +550,7 @@ impl<'a> Cycles<'a> {
             samples,
             grid: samples,
             channels: model.compiled.system.channels.len(),
-            limit: *periodic,
+            limit: periodic.clone(),
             comparison: Comparison::new(
                 &model.compiled.system,
                 TOLERANCES * model.tolerance,
@@ -724,8 +759,63 @@ impl Cycles<'_> {
         median(later) > 1.0 && !far(measured, ALIKE) && far(claimed, UNLIKE)
     }
 
-    /// Gives the last whole cycle to the observer. If the run ended within a cycle, it gives that part.
-    fn give(&mut self) {
+    /// The derivatives that the analysis asks for, at the samples of the last cycle.
+    fn gradients(
+        &mut self,
+        compiled: &Compiled,
+        overrides: &[Option<f64>],
+        onwards: &mut Onwards,
+    ) -> Result<Rows, RuntimeError> {
+        if self.limit.gradients.is_empty() {
+            return Ok(Vec::new());
+        }
+        if !self.repeats {
+            return Err(RuntimeError::Options {
+                message: format!(
+                    "the motion does not repeat within {} cycles, so it has no gradients: state larger `cycles`, or compare two runs",
+                    self.done
+                ),
+            });
+        }
+        let repeated = Repeated {
+            compiled,
+            limit: &self.limit,
+            period: self.period,
+            samples: self.samples,
+            values: &self.last.values,
+            growing: &self.growing,
+            moving: self.moving(),
+            length: TOLERANCES * onwards.simulation.model().tolerance,
+        };
+        repeated.gradients(overrides, onwards, self.observer)
+    }
+
+    /// The states that differ between the beginning and the end of the last cycle, by more than the requested change of their
+    /// swing.
+    fn moving(&self) -> Vec<bool> {
+        let samples = self.last.heads.len();
+        let width = self.last.motion.len() / samples.max(1);
+        let of = |index: usize| {
+            let mut values = self.last.motion.iter().skip(index).step_by(width);
+            let first = *values.next()?;
+            let extremes = values.fold((first, first, first), |(low, high, _), x| {
+                (x.min(low), x.max(high), *x)
+            });
+            Some((first, extremes))
+        };
+        (self.velocities..width)
+            .map(|index| {
+                let moves = of(index).map(|(first, (low, high, last))| {
+                    (last - first).abs() > self.limit.change * (high - low)
+                });
+                moves.unwrap_or(false)
+            })
+            .collect()
+    }
+
+    /// Gives the last whole cycle to the observer, with the derivatives at its samples. If the run ended within a cycle, it
+    /// gives that part.
+    fn give(&mut self, gradients: &[Vec<Row>]) {
         let whole = self.now.heads.len() <= 1 && !self.last.heads.is_empty();
         let record = if whole { &self.last } else { &self.now };
         let width = record.poses.len() / record.heads.len().max(1);
@@ -746,6 +836,11 @@ impl Cycles<'_> {
             });
             if flow.is_break() {
                 return;
+            }
+            for (parameter, rows) in gradients.iter().enumerate() {
+                if let Some(row) = rows.get(i) {
+                    self.observer.gradient(parameter, row.sample());
+                }
             }
         }
     }

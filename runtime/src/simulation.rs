@@ -34,6 +34,7 @@ use crate::state::State;
 use eng_system::analysis::{Integration, Method};
 use eng_system::code::Compiled;
 use eng_system::system::{Origin, Start, StepControl};
+pub(crate) use gradients::Units;
 pub use gradients::{Gradients, SampleGradient};
 pub use leaping::Section;
 pub use reading::Reading;

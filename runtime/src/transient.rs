@@ -1,5 +1,6 @@
 //! A transient from start to end, with samples on a grid of time or cycle angle.
 
+mod onwards;
 mod renewal;
 
 use crate::decay::CycleReport;
@@ -10,10 +11,11 @@ use crate::simulation::{
     Energy, Gradients, Options, SampleGradient, Simulation, Slow, Stopped, Warning,
 };
 use crate::start::StartReport;
-use eng_system::analysis::{Kind, Names};
+use eng_system::analysis::{Kind, Named, Names};
 use eng_system::code::Compiled;
 use eng_system::significant::short;
 use eng_system::system::{Extent, StepControl, Transient};
+pub(crate) use onwards::Onwards;
 use renewal::Renewal;
 use std::ops::ControlFlow;
 
@@ -274,20 +276,33 @@ pub fn run_transient(
     observer: &mut dyn Observer,
     resume: Option<&[u8]>,
 ) -> Result<RunSummary, RuntimeError> {
-    run(compiled, overrides, transient, observer, resume, None).map(|(summary, _)| summary)
+    run(compiled, overrides, transient, observer, resume, None).map(|ran| ran.summary)
 }
 
 /// Runs a transient whose sequence of steps starts again with each cycle of a period (rad). If the
-/// motion repeats, the steps and their errors repeat too. Returns the simulation in the state of the
-/// last sample.
+/// motion repeats, the steps and their errors repeat too. Returns the motion behind the last sample, too.
 pub(crate) fn run_by_cycles(
     compiled: &Compiled,
     overrides: &[Option<f64>],
     transient: &Transient,
     observer: &mut dyn Observer,
     period: f64,
-) -> Result<(RunSummary, Simulation), RuntimeError> {
-    run(compiled, overrides, transient, observer, None, Some(period))
+) -> Result<(RunSummary, Onwards), RuntimeError> {
+    let ran = run(compiled, overrides, transient, observer, None, Some(period))?;
+    let start = ran.simulation.cycle_start();
+    let sense = ran.points.distance().signum();
+    let renewal = (ran.renewal).unwrap_or_else(|| Renewal::new(start, sense * period));
+    let onwards = Onwards::new(ran.simulation, renewal, ran.points.distance(), ran.longest);
+    Ok((ran.summary, onwards))
+}
+
+/// A run at its end.
+struct Ran {
+    summary: RunSummary,
+    simulation: Simulation,
+    renewal: Option<Renewal>,
+    points: Points,
+    longest: f64,
 }
 
 /// The simulation at its start or at a checkpoint, and the sense in which its cycle turns.
@@ -346,13 +361,20 @@ fn gradients(
             "a checkpoint has no gradients, so a run with gradients cannot be resumed: start it again".into(),
         );
     }
-    let paths = compiled.system.paths_of(Names::Parameters);
-    let Ok(parameters) = Names::Parameters.indices(&transient.gradients, &paths) else {
-        return refuse(
-            "a path of `gradients` names no parameter, or the same one as another path".into(),
-        );
-    };
+    let parameters = parameters_of(compiled, &transient.gradients)?;
     Gradients::new(compiled, overrides, &parameters, simulation).map(Some)
+}
+
+/// The indices of the parameters that `gradients` of an analysis name.
+pub(crate) fn parameters_of(
+    compiled: &Compiled,
+    gradients: &[Named],
+) -> Result<Vec<usize>, RuntimeError> {
+    let paths = compiled.system.paths_of(Names::Parameters);
+    let found = Names::Parameters.indices(gradients, &paths);
+    found.map_err(|_| RuntimeError::Options {
+        message: "a path of `gradients` names no parameter, or the same one as another path".into(),
+    })
 }
 
 /// The progress of a run towards its end.
@@ -408,7 +430,7 @@ fn run(
     observer: &mut dyn Observer,
     resume: Option<&[u8]>,
     period: Option<f64>,
-) -> Result<(RunSummary, Simulation), RuntimeError> {
+) -> Result<Ran, RuntimeError> {
     // The samples follow the sense in which the machine turns.
     let (mut simulation, sense) = begin(compiled, overrides, transient, resume)?;
     let start = simulation.cycle_start();
@@ -446,7 +468,7 @@ fn run(
         run.give_warnings(&mut simulation);
         let time = simulation.time();
         if run.give(&mut simulation, time, cycle, None)?.is_break() {
-            return Ok((run.summary(&simulation, true), simulation));
+            return Ok(run.end(simulation, None, true));
         }
     } else {
         // The earlier run gave the points up to the checkpoint.
@@ -488,7 +510,7 @@ fn run(
         let stop = stop.filter(|stop| end.is_none_or(|end| *stop < end));
         let end = stop.or(end);
         if run.give_passed(&mut simulation, end)?.is_break() {
-            return Ok((run.summary(&simulation, true), simulation));
+            return Ok(run.end(simulation, renewal, true));
         }
         if let Some(renewal) = renewal.as_mut().filter(|_| end.is_none()) {
             run.renew(&mut simulation, renewal)?;
@@ -511,7 +533,7 @@ fn run(
             };
             // the run ends here anyway, so the observer's decision to stop makes no difference
             let _ = run.give(&mut simulation, end, cycle.map(|c| (c[0], c[1])), angle)?;
-            return Ok((run.summary(&simulation, false), simulation));
+            return Ok(run.end(simulation, renewal, false));
         }
         if run.observer.wants_checkpoint() {
             let bytes = simulation.checkpoint();
@@ -663,6 +685,16 @@ impl Run<'_> {
             })?;
         }
         Ok(taken)
+    }
+
+    fn end(self, simulation: Simulation, renewal: Option<Renewal>, interrupted: bool) -> Ran {
+        Ran {
+            summary: self.summary(&simulation, interrupted),
+            simulation,
+            renewal,
+            points: self.points,
+            longest: self.longest,
+        }
     }
 
     fn give_warnings(&mut self, simulation: &mut Simulation) {

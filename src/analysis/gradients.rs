@@ -4,7 +4,7 @@ use super::Analysis;
 use crate::error::Error;
 use crate::results::{
     Column, Gradient, Results, ResultsError, derivative_of, derived_from, gradients_file,
-    remove_if_there, write_gradients,
+    read_gradients, remove_if_there, write_gradients,
 };
 use eng_runtime::SampleGradient;
 use eng_system::analysis::{Named, Names};
@@ -16,7 +16,7 @@ impl Analysis {
     /// stands for every index.
     ///
     /// # Errors
-    /// No such parameter; one that is named twice; another kind of analysis than `transient`.
+    /// No such parameter; one that is named twice; another kind of analysis than `transient` and `periodic`.
     ///
     /// [`Outcome::gradients`]: super::Outcome::gradients
     pub fn gradients<P: AsRef<str>>(mut self, paths: &[P]) -> Result<Self, Error> {
@@ -99,6 +99,20 @@ impl Analysis {
                 }
             })
             .collect()
+    }
+
+    /// The gradients that an earlier complete run left beside its results. `None` if its text names gradients that are not there,
+    /// as after a run that was killed between its results and them.
+    pub(super) fn gradients_left(&self, results: &Results) -> Option<Vec<Gradient>> {
+        let wanted = self.gradient_columns();
+        let Some(folder) = self.recorded_to().filter(|_| !wanted.is_empty()) else {
+            return Some(Vec::new());
+        };
+        let left = read_gradients(folder, results).unwrap_or_default();
+        let names = left.iter().map(|gradient| &gradient.parameter);
+        names
+            .eq(wanted.iter().map(|columns| &columns.parameter))
+            .then_some(left)
     }
 
     /// Writes gradients into the folder of the results, and removes those of an earlier text.

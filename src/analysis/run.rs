@@ -6,7 +6,8 @@ use super::{Analysis, Failed, Outcome, Progress, Watch};
 use crate::error::Error;
 use crate::repetition::Repetition;
 use crate::results::{
-    Begun, Column, KeptWarning, ONE_STATE, ROWS, Results, ResultsError, STOPPED, Table,
+    Begun, Column, Gradient, KeptWarning, ONE_STATE, ROWS, Recording, Results, ResultsError,
+    STOPPED, Table,
 };
 use crate::timings::{Clock, Timings};
 use eng_runtime::linearised::FrequencyResponse;
@@ -54,13 +55,23 @@ impl Analysis {
         threads: NonZeroUsize,
         watch: &mut dyn Watch,
     ) -> Result<Outcome, Failed> {
-        let begun = self
-            .header()
-            .and_then(|header| Ok(Table::begin(header, &self.recording, self.identity())?));
-        let (table, point) = match begun? {
+        let mut begun = self.begin(&self.recording)?;
+        let mut gradients = Vec::new();
+        if let Begun::Complete(results) = &begun {
+            match self.gradients_left(results) {
+                Some(left) => gradients = left,
+                None => {
+                    begun = self.begin(&Recording {
+                        resume: false,
+                        ..self.recording.clone()
+                    })?;
+                }
+            }
+        }
+        let (table, point) = match begun {
             Begun::Fresh(table) => (table, None),
             Begun::Resumed(table, point) => (table, Some(point)),
-            Begun::Complete(results) => return Ok(self.made_before(results)?),
+            Begun::Complete(results) => return Ok(self.made_before(results, gradients)?),
         };
         let mut recorder = Recorder {
             table,
@@ -80,6 +91,10 @@ impl Analysis {
         let state = point.as_ref().map(|p| p.state.as_slice());
         let solved = self.solve(&mut recorder, state, threads);
         self.finish(recorder, solved)
+    }
+
+    fn begin(&self, recording: &Recording) -> Result<Begun, Error> {
+        Ok(Table::begin(self.header()?, recording, self.identity())?)
     }
 
     /// Solves the analysis by its kind.
@@ -123,7 +138,7 @@ impl Analysis {
     }
 
     /// The outcome of an analysis that an earlier run has completed.
-    fn made_before(&self, results: Results) -> Result<Outcome, Error> {
+    fn made_before(&self, results: Results, gradients: Vec<Gradient>) -> Result<Outcome, Error> {
         // its motion is on disk beside it, unless the run was killed between the two
         let motion = Motion::left(self, results.metadata())?;
         Ok(Outcome {
@@ -136,7 +151,7 @@ impl Analysis {
             modes: None,
             response: None,
             determined: None,
-            gradients: Vec::new(),
+            gradients,
             made_before: true,
             timings: None,
         })

@@ -20,7 +20,7 @@ eng_grammar::codes! {
         "report forces { value level = rms(band(run.force, 2 kHz, 1 kHz)) }",
         "report forces { value level = rms(band(run.force, 1 kHz, 2 kHz)) }";
     REPORT_GRADIENT = "E0805", "a report differentiates by a parameter, and the analysis does not",
-        "A run computes derivatives by the parameters that `gradients` of its `transient` names. The functions `gradient` and `tornado` of reports read these.",
+        "A run computes derivatives by the parameters that `gradients` of its `transient` or `periodic` analysis names. The functions `gradient` and `tornado` of reports read these.",
         "analysis run = transient(Cart(), duration: 1 s)\nreport slopes { value by_mass = gradient(maximum(run.force), mass) }",
         "analysis run = transient(Cart(), duration: 1 s, gradients: [mass])\nreport slopes { value by_mass = gradient(maximum(run.force), mass) }";
     REPORT_IDLE = "W0801", "a report shows nothing, or names no analysis",

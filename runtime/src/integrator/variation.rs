@@ -102,6 +102,24 @@ impl Variation {
         add_scaled(&mut self.place, share, &move_between);
     }
 
+    /// Adds a multiple of other derivatives of the same state.
+    pub fn add(&mut self, factor: f64, other: &Variation) {
+        let pairs = [
+            (&mut self.place, &other.place),
+            (&mut self.velocity, &other.velocity),
+            (&mut self.acceleration, &other.acceleration),
+            (&mut self.auxiliary, &other.auxiliary),
+            (&mut self.defect, &other.defect),
+            (&mut self.states, &other.states),
+            (&mut self.rates, &other.rates),
+            (&mut self.state_auxiliary, &other.state_auxiliary),
+            (&mut self.multipliers, &other.multipliers),
+        ];
+        for (sum, x) in pairs {
+            add_scaled(sum, factor, x);
+        }
+    }
+
     /// A state moved by a multiple of the derivative.
     pub fn moved(&self, model: &Model, from: &State, factor: f64, out: &mut State) {
         out.copy_from(from);
@@ -392,6 +410,22 @@ fn carry(model: &Model, increment: &[f64], place: &[f64], change: &[f64], out: &
 }
 
 impl Integrator {
+    /// The derivatives by time of all numbers that the last step passes on, at its beginning and at its end. Those of
+    /// accelerations, multipliers and rates are the differences over the step.
+    pub fn rates_of_change(&self, model: &Model) -> [Variation; 2] {
+        [&self.previous, &self.current].map(|state| Variation {
+            place: state.velocity.clone(),
+            velocity: state.acceleration.clone(),
+            acceleration: self.jerk.clone(),
+            auxiliary: self.jerk.clone(),
+            states: state.rates.clone(),
+            rates: self.state_jerk.clone(),
+            state_auxiliary: self.state_jerk.clone(),
+            multipliers: self.multiplier_rate.clone(),
+            ..Variation::new(model)
+        })
+    }
+
     /// Takes the last step of another integrator, with both ends moved by a multiple of derivatives there.
     pub fn stand_beside(
         &mut self,

@@ -5,6 +5,10 @@
 //! step's residual and of the outputs at a state of the motion. All these are central differences of fourth order,
 //! `(8 (f(ε) − f(−ε)) − (f(2ε) − f(−2ε)))/12ε`. The motion itself does not change by a bit.
 
+mod repeated;
+
+pub(crate) use repeated::Units;
+
 use super::{Simulation, Warning};
 use crate::acceleration::Factors;
 use crate::dynamics::Dynamics;
@@ -67,6 +71,10 @@ pub struct Gradients {
     auxiliary_step: f64,
     /// Whether no step was followed yet.
     at_start: bool,
+    /// How often the motion had begun again at a jump of accelerations before these derivatives.
+    renewals: u64,
+    /// How many of the parameters have samples.
+    sampled: usize,
     /// Length (m) over which forces are smooth.
     reach: f64,
     /// Whether the warnings of a kink and of a sensitive motion were given.
@@ -76,7 +84,8 @@ pub struct Gradients {
 /// The derivatives of a sample by a parameter (SI).
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient<'s> {
-    /// Derivative of its time; zero if the sample does not lie at a cycle angle.
+    /// Derivative of its time; zero if the sample does not lie at a cycle angle. In a motion that repeats it is the derivative
+    /// of the time since the beginning of the cycle.
     pub time: f64,
     /// Derivatives of the cycle angle and of its rate; zero without a cycle.
     pub cycle: [f64; 2],
@@ -92,7 +101,10 @@ struct Beside {
     /// Its size and its increment (SI).
     size: f64,
     increment: f64,
-    /// The simulations at the distances of [`AROUND`].
+    /// Derivative of the time at which the derivatives of the state hold, constant over a cycle. It is zero but in a motion
+    /// that repeats: see [`repeated`].
+    clock: f64,
+    /// The simulations at the distances of [`AROUND`]; none for a deviation that belongs to no parameter.
     around: Vec<Simulation>,
     /// At the beginning and at the end of the last step.
     before: Variation,
@@ -118,31 +130,34 @@ impl Gradients {
         parameters: &[usize],
         base: &Simulation,
     ) -> Result<Gradients, RuntimeError> {
-        let model = &base.model;
-        let mut fields = model.kernels.iter().zip(&compiled.system.elements);
-        if let Some((_, element)) = fields.find(|(kernels, _)| !kernels.is_empty()) {
-            return Err(refused(format!(
-                "{} solves its film on cells, and Eng has no gradients of such a film yet: take a film whose force is a formula or a table, or \
-                 compare two runs",
-                element.origin.path
-            )));
-        }
-        let reach = match compiled.system.resolutions.is_empty() {
-            true => REACH_OF_LENGTH * model.length,
-            false => REACH * model.tolerance,
-        };
+        let reach = reach(compiled, &base.model)?;
         let parameters = parameters.iter();
-        let beside = parameters.map(|index| Beside::new(compiled, overrides, *index, base, reach));
+        let beside = parameters.map(|index| {
+            let nearby = Nearby::new(compiled, overrides, *index, &base.model, reach)?;
+            Beside::new(compiled, nearby, base)
+        });
+        Gradients::beside(beside.collect::<Result<_, _>>()?, base, reach)
+    }
+
+    /// Derivatives beside a simulation at its start.
+    fn beside(
+        parameters: Vec<Beside>,
+        base: &Simulation,
+        reach: f64,
+    ) -> Result<Gradients, RuntimeError> {
+        let model = &base.model;
         let state = base.integrator.current.clone();
         let mut same = Simulation::with_state(model.clone(), state, base.options)?;
         same.system.stand_beside();
         Ok(Gradients {
-            parameters: beside.collect::<Result<_, _>>()?,
+            sampled: parameters.len(),
+            parameters,
             step: StepDerivative::new(model),
             dynamics: Dynamics::new(model),
             same: Box::new(same),
             auxiliary_step: base.integrator.auxiliary_step(),
             at_start: true,
+            renewals: base.renewals,
             reach,
             warned: [false; 2],
         })
@@ -153,7 +168,7 @@ impl Gradients {
     /// # Errors
     /// A jump of accelerations; derivatives that are not finite.
     pub fn follow(&mut self, base: &mut Simulation, h: f64) -> Result<(), RuntimeError> {
-        if base.renewals > 0 {
+        if base.renewals > self.renewals {
             return Err(refused(format!(
                 "accelerations jump at {} s, and Eng has no gradients across such a jump yet: make the load smooth, or take a fixed `step`",
                 base.integrator.previous.time
@@ -176,8 +191,9 @@ impl Gradients {
         let mut residual = partial.clone();
         for beside in &mut self.parameters {
             partial.fill(0.0);
-            for (simulation, (_, weight)) in beside.around.iter_mut().zip(AROUND) {
-                residual_at(simulation, end, &start.rotations, &mut residual)?;
+            for (simulation, (at, weight)) in beside.around.iter_mut().zip(AROUND) {
+                let time = end.time + at * beside.increment * beside.clock;
+                residual_at(simulation, end, time, &start.rotations, &mut residual)?;
                 add_scaled(&mut partial, weight / beside.increment, &residual);
             }
             std::mem::swap(&mut beside.before, &mut beside.now);
@@ -209,6 +225,7 @@ impl Gradients {
         let grown = self
             .parameters
             .iter()
+            .filter(|beside| !beside.around.is_empty())
             .find(|beside| largest_scaled(&beside.now.place, &scales) * beside.size > SENSITIVE);
         let Some(beside) = grown.filter(|_| !self.warned[1]) else {
             return;
@@ -266,25 +283,7 @@ impl Gradients {
         }
         for beside in &mut self.parameters {
             let mut sum = vec![0.0; model.rows];
-            for (simulation, (_, weight)) in beside.around.iter_mut().zip(AROUND) {
-                let (dynamics, model) = (&mut simulation.dynamics, &simulation.model);
-                let rates = rates_at(dynamics, model, &base)?;
-                add_scaled(&mut sum, weight / beside.increment, &rates);
-            }
-            let along = Variation {
-                place: beside.now.place.clone(),
-                velocity: beside.now.velocity.clone(),
-                states: beside.now.states.clone(),
-                ..Variation::new(model)
-            };
-            if let Some(distance) = distance(model, &base, [&along; 2], self.reach) {
-                let mut moved = base.clone();
-                for (at, weight) in AROUND {
-                    along.moved(model, &base, at * distance, &mut moved);
-                    let rates = rates_at(&mut self.dynamics, model, &moved)?;
-                    add_scaled(&mut sum, weight / distance, &rates);
-                }
-            }
+            beside.add_rates(model, &mut self.dynamics, &base, self.reach, &mut sum)?;
             self.step
                 .nearest_change(model, &sum, &mut beside.now.defect);
             self.dynamics.set_state(model, &base, &[]);
@@ -333,13 +332,14 @@ impl Gradients {
                 cycle_angle: angle,
             },
             settles: base.completed.time < base.integrator.current.time,
+            later: 0.0,
         };
         let rates = match angle {
             Some(_) => Some(self.rates_of_time(base, sample)?),
             None => None,
         };
         let mut sum = vec![0.0; base.outputs.values.len() + CYCLE];
-        for index in 0..self.parameters.len() {
+        for index in 0..self.sampled {
             self.sample_one(base, index, sample, &mut sum)?;
             let mut time = 0.0;
             if let (Some(rates), [.., turned, _]) = (rates.as_deref(), sum.as_mut_slice())
@@ -381,10 +381,13 @@ impl Gradients {
         let state = &base.integrator.current;
         let distance = distance(&base.model, state, ends, self.reach);
         // one difference serves both parts if the state moves little enough over the increment of the parameter
-        let joint = distance.is_none_or(|distance| beside.increment <= JOINT * distance);
+        let joint = !beside.around.is_empty()
+            && distance.is_none_or(|distance| beside.increment <= JOINT * distance);
         let along = if joint { beside.increment } else { 0.0 };
         for (simulation, (at, weight)) in beside.around.iter_mut().zip(AROUND) {
             (simulation.integrator).stand_beside(&base.model, &base.integrator, ends, at * along);
+            let later = at * beside.increment * beside.clock;
+            let sample = Sampled { later, ..sample };
             sample_beside(simulation, base, sample, weight / beside.increment, sum)?;
         }
         let Some(distance) = distance.filter(|_| !joint) else {
@@ -428,17 +431,29 @@ struct Sampled {
     moment: Moment,
     /// Whether it is settled: see [`crate::integrator::Integrator::settle`].
     settles: bool,
+    /// How much later (s) the same place of the step is taken: the shift of the clock.
+    later: f64,
 }
 
-impl Beside {
+/// A parameter, and values of it nearby.
+struct Nearby {
+    origin: Origin,
+    /// Its index, value, size and increment (SI).
+    index: usize,
+    value: f64,
+    size: f64,
+    increment: f64,
+    overrides: Vec<Option<f64>>,
+}
+
+impl Nearby {
     fn new(
         compiled: &Compiled,
         overrides: &[Option<f64>],
         index: usize,
-        base: &Simulation,
+        model: &Model,
         reach: f64,
-    ) -> Result<Beside, RuntimeError> {
-        let model = &base.model;
+    ) -> Result<Nearby, RuntimeError> {
         let system = &compiled.system;
         let (Some(parameter), Some(value)) =
             (system.parameters.get(index), model.parameters.get(index))
@@ -455,15 +470,18 @@ impl Beside {
                 "{path} is an input, which may change during the run, and there are no gradients by inputs yet: declare it as `param`"
             )));
         }
-        let at = |value: f64| {
-            let mut stated = overrides.to_vec();
-            stated.resize(system.parameters.len(), None);
-            stated[index] = Some(value);
-            stated
-        };
+        let mut overrides = overrides.to_vec();
+        overrides.resize(system.parameters.len(), None);
         let increment = increment(model, parameter, *value)?;
-        let size = increment / SHARE;
-        let near = Model::bind(compiled, &at(value + increment))?;
+        let mut nearby = Nearby {
+            origin: parameter.origin.clone(),
+            index,
+            value: *value,
+            size: increment / SHARE,
+            increment,
+            overrides,
+        };
+        let near = Model::bind(compiled, &nearby.at(1.0))?;
         if near
             .slots
             .iter()
@@ -474,27 +492,78 @@ impl Beside {
                 "{path} changes no number of the motion, so no channel has a derivative by it; constants and meshes do not follow a parameter"
             )));
         }
-        let moved = moved_by(model, &near);
-        let increment = increment * (reach / moved).min(1.0);
+        nearby.increment *= (reach / moved_by(model, &near)).min(1.0);
+        Ok(nearby)
+    }
+
+    /// The stated values of all parameters, with this one at a distance in increments.
+    fn at(&self, distance: f64) -> Vec<Option<f64>> {
+        let mut stated = self.overrides.clone();
+        stated[self.index] = Some(self.value + distance * self.increment);
+        stated
+    }
+}
+
+impl Beside {
+    fn new(compiled: &Compiled, nearby: Nearby, base: &Simulation) -> Result<Beside, RuntimeError> {
+        let path = &nearby.origin.path;
         let mut around = Vec::with_capacity(AROUND.len());
         for (distance, _) in AROUND {
-            let mut simulation =
-                Simulation::new(compiled, &at(value + distance * increment), base.options)?;
+            let mut simulation = Simulation::new(compiled, &nearby.at(distance), base.options)?;
             simulation.same_start(base, path)?;
             simulation.system.stand_beside();
             around.push(simulation);
         }
-        let mut beside = Beside {
-            origin: parameter.origin.clone(),
-            size,
-            increment,
+        let path = path.clone();
+        let mut beside = Beside::around(nearby, around, &base.model);
+        beside.begin(base, &path)?;
+        Ok(beside)
+    }
+
+    /// The derivative by a parameter before its start, beside simulations at its values nearby.
+    fn around(nearby: Nearby, around: Vec<Simulation>, model: &Model) -> Beside {
+        Beside {
+            origin: nearby.origin,
+            size: nearby.size,
+            increment: nearby.increment,
+            clock: 0.0,
             before: Variation::new(model),
             now: Variation::new(model),
-            start: vec![0.0; system.channels.len() + CYCLE],
+            start: vec![0.0; model.compiled.system.channels.len() + CYCLE],
             around,
+        }
+    }
+
+    /// Adds the derivative of Φ̇ at a state by the parameter, the clock, and along the present place, velocities and states.
+    fn add_rates(
+        &mut self,
+        model: &Model,
+        dynamics: &mut Dynamics,
+        base: &State,
+        reach: f64,
+        sum: &mut [f64],
+    ) -> Result<(), RuntimeError> {
+        let mut moved = base.clone();
+        for (simulation, (at, weight)) in self.around.iter_mut().zip(AROUND) {
+            moved.time = base.time + at * self.increment * self.clock;
+            let (dynamics, model) = (&mut simulation.dynamics, &simulation.model);
+            let rates = rates_at(dynamics, model, &moved)?;
+            add_scaled(sum, weight / self.increment, &rates);
+        }
+        let along = Variation {
+            place: self.now.place.clone(),
+            velocity: self.now.velocity.clone(),
+            states: self.now.states.clone(),
+            ..Variation::new(model)
         };
-        beside.begin(base, path)?;
-        Ok(beside)
+        if let Some(distance) = distance(model, base, [&along; 2], reach) {
+            for (at, weight) in AROUND {
+                along.moved(model, base, at * distance, &mut moved);
+                let rates = rates_at(dynamics, model, &moved)?;
+                add_scaled(sum, weight / distance, &rates);
+            }
+        }
+        Ok(())
     }
 
     /// The derivatives of the start and of its channels.
@@ -565,6 +634,25 @@ impl Simulation {
     }
 }
 
+/// The length (m) over which the forces of a model are smooth.
+///
+/// # Errors
+/// A model without derivatives.
+fn reach(compiled: &Compiled, model: &Model) -> Result<f64, RuntimeError> {
+    let mut fields = model.kernels.iter().zip(&compiled.system.elements);
+    if let Some((_, element)) = fields.find(|(kernels, _)| !kernels.is_empty()) {
+        return Err(refused(format!(
+            "{} solves its film on cells, and Eng has no gradients of such a film yet: take a film whose force is a formula or a table, or \
+             compare two runs",
+            element.origin.path
+        )));
+    }
+    Ok(match compiled.system.resolutions.is_empty() {
+        true => REACH_OF_LENGTH * model.length,
+        false => REACH * model.tolerance,
+    })
+}
+
 /// The increment (SI) of a parameter, from its value, its limits and its dimension.
 fn increment(model: &Model, parameter: &Parameter, value: f64) -> Result<f64, RuntimeError> {
     let (low, high) = parameter.limits;
@@ -597,16 +685,17 @@ fn moved_by(model: &Model, near: &Model) -> f64 {
     })
 }
 
-/// The residual of a step at its end, unscaled, for the parameters of another simulation.
+/// The residual of a step at its end, unscaled, for the parameters of another simulation and at a time (s).
 fn residual_at(
     simulation: &mut Simulation,
     end: &State,
+    time: f64,
     rotations: &[f64],
     out: &mut [f64],
 ) -> Result<(), RuntimeError> {
     let (model, dynamics) = (&simulation.model, &mut simulation.dynamics);
     let (n, s) = (model.velocities, model.states);
-    dynamics.place(model, end.time, &end.pose, &end.velocity);
+    dynamics.place(model, time, &end.pose, &end.velocity);
     dynamics.gather(model, &end.states, &end.multipliers, rotations);
     dynamics.evaluate(model)?;
     out.fill(0.0);
@@ -700,13 +789,17 @@ impl Simulation {
     /// Evaluates the outputs of a sample of the step beside which this simulation stands, and its cycle angle.
     fn sample_near(&mut self, sample: Sampled) -> Result<(), RuntimeError> {
         self.evaluated = None;
-        let Sampled { moment, settles } = sample;
+        let Sampled {
+            moment,
+            settles,
+            later,
+        } = sample;
         let (from, to) = (self.integrator.previous.time, self.integrator.current.time);
         let fraction = (moment.time - from) / (to - from);
         let (model, dynamics) = (&self.model, &mut self.dynamics);
         let state = &mut self.completed;
         (self.integrator).interpolate(model, fraction, &mut self.work, state);
-        state.time = moment.time;
+        state.time = moment.time + later;
         self.system
             .project(model, dynamics, state, moment, Factors::Kept)?;
         let moment = (moment, settles);

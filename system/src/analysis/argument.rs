@@ -268,6 +268,15 @@ pub(super) const RHO: Argument = argument(
     "the spectral radius at infinite frequency, 0.8 by default",
 );
 
+/// The derivatives of a motion.
+pub(super) const GRADIENTS: Argument = argument(
+    "gradients",
+    Takes::Names(Names::Parameters),
+    "",
+    &[],
+    "the parameters by which the channels are differentiated",
+);
+
 pub(super) const START: Argument = argument(
     "start",
     Takes::Start,

@@ -1,8 +1,11 @@
 //! `periodic`: whole cycles until the motion repeats.
 
-use super::argument::{PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit};
+use super::argument::{
+    GRADIENTS, PLAIN_ANGLE, POSITIVE, RHO, START, STEP, TOLERANCE, argument, limit,
+};
 use super::{
-    AnalysisKind, Extent, Given, Integration, Kind, KindRow, Limit, Rows, Start, Takes, Unplanned,
+    AnalysisKind, Extent, Given, Integration, Kind, KindRow, Limit, Named, Names, Rows, Start,
+    Takes, Unplanned,
 };
 
 /// Defaults of `change` and `cycles`, and most cycles. Choices: a thousandth of a swing is not seen in a figure and is near the
@@ -13,7 +16,7 @@ const PLAIN_CYCLES: u32 = 40;
 const MOST_CYCLES: f64 = 1e5;
 
 /// A transient that runs until the cycle repeats; its result is the last cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Periodic {
     /// Distance of the samples (rad of the cycle angle), shortened so that whole ones fill a cycle.
     pub sample: f64,
@@ -24,6 +27,8 @@ pub struct Periodic {
     pub change: f64,
     /// Most cycles.
     pub cycles: u32,
+    /// Parameters by which the channels are differentiated.
+    pub gradients: Vec<Named>,
 }
 
 pub(super) const ROW: KindRow = KindRow {
@@ -69,6 +74,7 @@ pub(super) const ROW: KindRow = KindRow {
             ],
             "the number of cycles after which to give up, 40 by default",
         ),
+        GRADIENTS,
         START,
     ],
     apart: &[],
@@ -82,6 +88,7 @@ fn plan(given: &Given) -> Result<AnalysisKind, Unplanned> {
         change: given.number("change").unwrap_or(PLAIN_CHANGE),
         // within its limits
         cycles: given.number("cycles").map_or(PLAIN_CYCLES, |x| x as u32),
+        gradients: given.names("gradients").unwrap_or_default(),
     }))
 }
 
@@ -96,6 +103,18 @@ impl Kind for Periodic {
 
     fn sampling(&self) -> Option<(Extent, Option<Extent>)> {
         Some((Extent::Angle(self.sample), None))
+    }
+
+    fn named(&self) -> Vec<(&'static str, Names, &[Named])> {
+        vec![("gradients", Names::Parameters, &self.gradients)]
+    }
+
+    fn gradients(&self) -> Option<&[Named]> {
+        Some(&self.gradients)
+    }
+
+    fn gradients_mut(&mut self) -> Option<&mut Vec<Named>> {
+        Some(&mut self.gradients)
     }
 
     fn rows(&self) -> Rows {

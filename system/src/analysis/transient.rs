@@ -1,8 +1,8 @@
 //! `transient`: the motion in time.
 
 use super::argument::{
-    INTEGRATOR, PLAIN_ANGLE, PLAIN_SAMPLES, POSITIVE, RHO, START, STEP, TOLERANCE, argument,
-    too_many_samples,
+    GRADIENTS, INTEGRATOR, PLAIN_ANGLE, PLAIN_SAMPLES, POSITIVE, RHO, START, STEP, TOLERANCE,
+    argument, too_many_samples,
 };
 use super::{
     AnalysisKind, Apart, Argument, Counted, Extent, Given, Integration, Kind, KindRow, Method,
@@ -54,13 +54,7 @@ pub(super) const ROW: KindRow = KindRow {
             POSITIVE,
             "the sampling interval; by default 0.5° of an angle, a thousandth of a time",
         ),
-        argument(
-            "gradients",
-            Takes::Names(Names::Parameters),
-            "",
-            &[],
-            "the parameters by which the channels are differentiated",
-        ),
+        GRADIENTS,
         argument(
             STOP,
             Takes::Condition,

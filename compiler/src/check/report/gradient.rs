@@ -149,7 +149,7 @@ impl<'a> Reporter<'a, '_> {
                     "a derivative needs a value made of results",
                 )
                 .at(expr.span, "this number is known before the run")
-                .with_help("name a channel of a `transient` analysis"),
+                .with_help("name a channel of a `transient` or `periodic` analysis"),
             );
             return None;
         }
@@ -160,7 +160,7 @@ impl<'a> Reporter<'a, '_> {
                 self.diagnose(
                     Diagnostic::error(
                         codes::REPORT_GRADIENT,
-                        format!("`{name}` has no gradients: they are of `transient` analyses"),
+                        format!("`{name}` has no gradients: they are of `transient` and `periodic` analyses"),
                     )
                     .at(expr.span, "made of its results")
                     .with_help("compare two runs with different values of the parameter"),
