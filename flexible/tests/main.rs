@@ -49,6 +49,7 @@ mod nastran_splines;
 mod nastran_structure;
 mod nastran_tapers;
 mod nastran_weight;
+mod recovered_nodes;
 mod recovery;
 mod reduce_crank;
 mod reduce_errors;
