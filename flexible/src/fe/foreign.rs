@@ -37,10 +37,7 @@ pub struct ForeignStructure {
 }
 
 /// Rows of a matrix by place in the mesh: index of the node and component.
-pub(crate) fn places(
-    mesh: &Mesh,
-    matrix: &NodalMatrix,
-) -> Result<Vec<(u32, u8)>, FlexibleError> {
+pub(crate) fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleError> {
     let title = &matrix.title;
     if matrix.rows.len() != matrix.matrix.size() {
         return Err(FlexibleError::Matrix {
