@@ -162,6 +162,99 @@ fn matrices_that_do_not_name_their_rows_are_taken_by_ascending_nodes() {
     }
 }
 
+/// The matrices of a cube with its corners as interface, and its middle as the mean of the corners: a marker can use the middle,
+/// and the exported shapes have it.
+#[test]
+fn a_node_that_a_matrix_recovers_is_a_node_of_the_body() {
+    use eng_flexible::fe::{Rules, assemble};
+    struct Deck;
+    impl eng_flexible::Files for Deck {
+        fn open(&self, _: &str) -> std::io::Result<Box<dyn std::io::Read>> {
+            Ok(Box::new(CUBE.as_bytes()))
+        }
+    }
+    let mesh = eng_flexible::read_mesh(&Deck, "cube.inp", eng_flexible::MeshFormat::CalculiX)
+        .expect("a mesh");
+    let full = assemble(&mesh, &Rules::default()).expect("matrices");
+    let mass = full.mass.assembled().expect("a mass");
+    let corners: String = (mesh.nodes.iter())
+        .map(|node| {
+            let [x, y, z] = node.position;
+            format!("{},{x},{y},{z}\n", node.id)
+        })
+        .collect();
+    let mean = |share: f64| -> String {
+        let line = |row: usize| {
+            let entries = (0..24).map(|column| if column % 3 == row { share } else { 0.0 });
+            let entries: Vec<String> = entries.map(|x| x.to_string()).collect();
+            entries.join(",") + "\n"
+        };
+        (0..3).map(line).collect()
+    };
+    let sources = |more: &str, share: f64| {
+        let text = format!(
+            "model M {{ flexible cube {{
+                mesh = csv(\"corners.csv\", units: si)
+                stiffness = op4(\"k.op4\", matrix: \"KGG\", per_node: 3)
+                mass = op4(\"m.op4\", matrix: \"MGG\")
+                recovery = csv(\"t.csv\", per_node: 3, nodes: csv(\"middle.csv\", units: si){more})
+                modes = normal(2)
+                damping = 1 %
+                marker middle = node(9)
+            }} }}"
+        );
+        let texts = [
+            ("cube.eng", text),
+            ("corners.csv", corners.clone()),
+            ("middle.csv", "9,0.5,0.5,0.5\n".to_owned()),
+            ("k.op4", op4("KGG", &full.stiffness)),
+            ("m.op4", op4("MGG", &mass)),
+            ("t.csv", mean(share)),
+        ];
+        Sources::from_texts(texts.map(|(name, text)| (name.to_owned(), text)))
+    };
+    let program = eng::check(&sources("", 0.125), "cube.eng").into_program();
+    let program = program.unwrap_or_else(|report| panic!("{report}"));
+    let model = program.model("M").expect("a model");
+    let cube = &model.reductions()[0];
+    let told = cube.text();
+    let facts = "1 node by t.csv; they follow rigid motions of the interface within ";
+    assert!(told.contains(facts), "{told}");
+    let files = cube.files(eng::BodyFormat::Numpy, 1).expect("files");
+    let shapes = files.iter().find(|file| file.name.ends_with(".shapes.npy"));
+    let head = String::from_utf8_lossy(&shapes.expect("shapes").contents[..80]).into_owned();
+    assert!(head.contains("(9, 6, 2,)"), "{head}");
+
+    for (more, share, says) in [
+        (
+            "",
+            0.12,
+            "the difference is 0.04 of the motion, and 0.001 is allowed",
+        ),
+        (
+            ", tolerance: 0",
+            0.125,
+            "`tolerance` of `csv` must be positive",
+        ),
+        (
+            ", freedoms: \"t.dof\"",
+            0.125,
+            "both state the freedoms of the rows",
+        ),
+    ] {
+        let told = match eng::check(&sources(more, share), "cube.eng").into_program() {
+            Err(report) => report.to_string(),
+            Ok(program) => program.model("M").expect_err("a refusal").to_string(),
+        };
+        assert!(told.contains(says), "{told}");
+    }
+    let accepted = eng::check(&sources(", tolerance: 5 %", 0.12), "cube.eng").into_program();
+    let accepted = accepted.unwrap_or_else(|report| panic!("{report}"));
+    let model = accepted.model("M").expect("a model");
+    let told = model.reductions()[0].text();
+    assert!(told.contains("within 0.04"), "{told}");
+}
+
 /// Energy of a free bar that spins fast, rings and hardly damps: the loss falls with the square of the step.
 #[test]
 fn a_free_bar_keeps_its_energy() {

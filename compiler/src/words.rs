@@ -56,6 +56,8 @@ pub(crate) enum Takes {
     Time,
     /// A call of a word of [`Place::Surface`].
     Surface,
+    /// A call of a word of [`Place::Mesh`].
+    Mesh,
     /// Records of plane sections in a list.
     Sections,
 }
@@ -75,6 +77,7 @@ pub(crate) struct Argument {
 pub(crate) enum Place {
     Mesh,
     Matrix,
+    Recovery,
     Marker,
     Modes,
     Damping,
@@ -88,6 +91,7 @@ impl Place {
         match self {
             Place::Mesh => "the `mesh` of a flexible body",
             Place::Matrix => "the `stiffness` or `mass` of a flexible body",
+            Place::Recovery => "the `recovery` of a flexible body",
             Place::Marker => "the place of a marker of a flexible body",
             Place::Modes => "a mode set",
             Place::Damping => "the `damping` of a flexible body",
@@ -184,6 +188,17 @@ const LIST: Argument = optional("freedoms", Takes::Text);
 const PER_NODE: Argument = optional("per_node", Takes::Count);
 const NAMED_MATRIX: &[Argument] = &[FILE, named("matrix", Takes::Text), LIST, PER_NODE];
 const PLAIN_MATRIX: &[Argument] = &[FILE, LIST, PER_NODE];
+const NODES: Argument = named("nodes", Takes::Mesh);
+const TOLERANCE: Argument = optional("tolerance", Takes::Ratio);
+const NAMED_RECOVERY: &[Argument] = &[
+    FILE,
+    named("matrix", Takes::Text),
+    NODES,
+    LIST,
+    PER_NODE,
+    TOLERANCE,
+];
+const PLAIN_RECOVERY: &[Argument] = &[FILE, NODES, LIST, PER_NODE, TOLERANCE];
 const X: Argument = optional("x", Takes::Direction);
 const Z: Argument = optional("z", Takes::Direction);
 const TIE: Argument = optional("tie", Takes::Word(TIES));
@@ -293,6 +308,30 @@ pub(crate) const WORDS: &[Word] = &[
         place: Place::Matrix,
         arguments: PLAIN_MATRIX,
         example: "csv(\"stiffness.csv\", per_node: 6)",
+    },
+    Word {
+        word: "op4",
+        place: Place::Recovery,
+        arguments: NAMED_RECOVERY,
+        example: "op4(\"block.op4\", matrix: \"MUG1\", nodes: nastran(\"block.bdf\", units: mm_tonne_s))",
+    },
+    Word {
+        word: "op2",
+        place: Place::Recovery,
+        arguments: NAMED_RECOVERY,
+        example: "op2(\"block.op2\", matrix: \"MUG1\", nodes: nastran(\"block.bdf\", units: mm_tonne_s))",
+    },
+    Word {
+        word: "dmig",
+        place: Place::Recovery,
+        arguments: NAMED_RECOVERY,
+        example: "dmig(\"block.pch\", matrix: \"MUG1\", nodes: nastran(\"block.bdf\", units: mm_tonne_s))",
+    },
+    Word {
+        word: "csv",
+        place: Place::Recovery,
+        arguments: PLAIN_RECOVERY,
+        example: "csv(\"recovery.csv\", per_node: 3, nodes: csv(\"inner.csv\", units: mm_tonne_s))",
     },
     Word {
         word: "node",

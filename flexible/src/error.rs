@@ -69,6 +69,8 @@ pub enum Part {
     Stiffness,
     /// The mass matrix of another code.
     Mass,
+    /// The matrix that recovers nodes.
+    Recovery,
 }
 
 /// An error of this crate.

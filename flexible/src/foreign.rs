@@ -46,6 +46,24 @@ pub struct ForeignMatrices {
     pub units: MeshUnits,
 }
 
+/// A matrix of another code that recovers nodes from the freedoms of stiffness and mass: `u = T q`.
+///
+/// q are the freedoms of the rows of the stiffness, in their order. Translations are in the unit of length, rotations in
+/// radians, amplitudes of scalar points are pure numbers. Freedoms of nodes are along the axes of their analysis frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecoveryMatrix {
+    /// T in the form of its file.
+    pub matrix: ForeignMatrix,
+    /// The freedoms of its rows.
+    pub order: RowOrder,
+    /// The nodes of its rows (SI), with cells for pictures.
+    pub nodes: Mesh,
+    /// Units of T.
+    pub units: MeshUnits,
+    /// The largest share of a rigid motion that the nodes may miss.
+    pub tolerance: f64,
+}
+
 /// Mode shapes of another code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenModes {
@@ -153,7 +171,7 @@ impl ForeignMatrices {
         matrix: &ForeignMatrix,
         kind: MatrixKind,
     ) -> Result<NodalMatrix, FlexibleError> {
-        let rows = self.rows(mesh, matrix)?;
+        let rows = rows(mesh, &mesh.boundary, &self.order, matrix)?;
         let mut values = matrix.to_symmetric(kind)?;
         if kind == MatrixKind::Stiffness {
             resists(&title(matrix), &values, &rows)?;
@@ -169,61 +187,114 @@ impl ForeignMatrices {
             rows,
         })
     }
+}
 
-    /// Node and component 0…5 of each row, or scalar point and `None`. A file that does not state them has
-    /// the rows of the boundary that the mesh's file states.
-    fn rows(&self, mesh: &Mesh, matrix: &ForeignMatrix) -> Result<Rows, FlexibleError> {
-        let stated = || ForeignFreedoms {
-            rows: mesh.boundary.clone(),
-        };
-        let fits = matrix.freedoms.is_none() && mesh.boundary.len() == matrix.rows;
-        let of_mesh = (fits && !mesh.boundary.is_empty()).then(stated);
-        let listed = match &self.order {
-            RowOrder::OfFile => matrix.freedoms.as_ref().or(of_mesh.as_ref()),
-            RowOrder::Listed(listed) => Some(listed),
-            RowOrder::Ascending(per_node) => return ascending(mesh, matrix, *per_node),
-        };
-        let Some(listed) = listed else {
-            return Err(FlexibleError::Matrix {
+/// Node and component 0…5 of each row, or scalar point and `None`. A matrix that does not state them has the rows that
+/// the mesh's file states (`stated`).
+fn rows(
+    mesh: &Mesh,
+    stated: &[(u64, u8)],
+    order: &RowOrder,
+    matrix: &ForeignMatrix,
+) -> Result<Rows, FlexibleError> {
+    let fits = matrix.freedoms.is_none() && stated.len() == matrix.rows && !stated.is_empty();
+    let of_mesh = fits.then(|| ForeignFreedoms {
+        rows: stated.to_vec(),
+    });
+    let listed = match order {
+        RowOrder::OfFile => matrix.freedoms.as_ref().or(of_mesh.as_ref()),
+        RowOrder::Listed(listed) => Some(listed),
+        RowOrder::Ascending(per_node) => return ascending(mesh, matrix, *per_node),
+    };
+    let Some(listed) = listed else {
+        return Err(FlexibleError::Matrix {
+            problem: format!(
+                "{} does not state the freedoms of its {} rows",
+                title(matrix),
+                matrix.rows
+            ),
+            advice: format!(
+                "give the list of freedoms, `freedoms: \"….dof\"`; or state `per_node: 3` or `per_node: 6` if the rows are these freedoms of all nodes in ascending order. The mesh has {} nodes",
+                mesh.nodes.len()
+            ),
+        });
+    };
+    if listed.rows.len() != matrix.rows {
+        return Err(FlexibleError::Matrix {
+            problem: format!(
+                "{} has {} rows, but the list has {} freedoms",
+                title(matrix),
+                matrix.rows,
+                listed.rows.len()
+            ),
+            advice: "give the matrix and the list of freedoms of the same run".into(),
+        });
+    }
+    listed
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(row, (node, freedom))| match freedom.checked_sub(1) {
+            Some(component) if component < 6 => Ok((*node, Some(component))),
+            Some(_) => Err(FlexibleError::Matrix {
                 problem: format!(
-                    "{} does not state the freedoms of its {} rows",
+                    "{} names freedom {freedom} of node {node} at row {}",
                     title(matrix),
-                    matrix.rows
+                    row + 1
                 ),
-                advice: format!(
-                    "give the list of freedoms, `freedoms: \"….dof\"`; or state `per_node: 3` or `per_node: 6` if the rows are these freedoms of all nodes in ascending order. The mesh has {} nodes",
-                    mesh.nodes.len()
-                ),
-            });
-        };
-        if listed.rows.len() != matrix.rows {
-            return Err(FlexibleError::Matrix {
-                problem: format!(
-                    "{} has {} rows, but the list has {} freedoms",
-                    title(matrix),
-                    matrix.rows,
-                    listed.rows.len()
-                ),
-                advice: "give the matrix and the list of freedoms of the same run".into(),
-            });
+                advice: "name freedoms from 1 to 6, or 0 for a scalar point".into(),
+            }),
+            None => Ok((*node, None)),
+        })
+        .collect()
+}
+
+impl RecoveryMatrix {
+    /// Reads T. `per_node` is the number of freedoms of each node if the rows are all `nodes` by ascending number. With
+    /// `None` a list, the file itself or the file of a mesh gives the freedoms.
+    ///
+    /// # Errors
+    /// Those of the readers; a list of freedoms of another length.
+    pub fn read(
+        files: &dyn Files,
+        file: MatrixFile,
+        per_node: Option<u8>,
+        (nodes, units): (Mesh, MeshUnits),
+        tolerance: f64,
+    ) -> Result<Self, FlexibleError> {
+        let of = |error: FlexibleError| error.of(Part::Recovery);
+        let mut matrix = read_matrix(files, file.file, file.format, file.name).map_err(of)?;
+        if let Some(list) = file.freedoms {
+            let list = read_calculix_freedoms(files, list).map_err(FlexibleError::from);
+            matrix = list
+                .and_then(|list| matrix.with_freedoms(list))
+                .map_err(of)?;
         }
-        listed
-            .rows
-            .iter()
-            .enumerate()
-            .map(|(row, (node, freedom))| match freedom.checked_sub(1) {
-                Some(component) if component < 6 => Ok((*node, Some(component))),
-                Some(_) => Err(FlexibleError::Matrix {
-                    problem: format!(
-                        "{} names freedom {freedom} of node {node} at row {}",
-                        title(matrix),
-                        row + 1
-                    ),
-                    advice: "name freedoms from 1 to 6, or 0 for a scalar point".into(),
-                }),
-                None => Ok((*node, None)),
-            })
-            .collect()
+        Ok(RecoveryMatrix {
+            matrix,
+            order: per_node.map_or(RowOrder::OfFile, RowOrder::Ascending),
+            nodes,
+            units,
+            tolerance,
+        })
+    }
+
+    /// Its name in messages.
+    pub(crate) fn title(&self) -> String {
+        title(&self.matrix)
+    }
+
+    /// Node and component 0…5 of each row, or scalar point and `None`. A matrix that does not state them has the rows
+    /// that the file of its nodes or that of the interface states.
+    ///
+    /// # Errors
+    /// Rows that nothing states, or as many as the list does not have.
+    pub(crate) fn rows(&self, interface: &Mesh) -> Result<Vec<(u64, Option<u8>)>, FlexibleError> {
+        let stated = match self.nodes.recovered.is_empty() {
+            true => &interface.recovered,
+            false => &self.nodes.recovered,
+        };
+        rows(&self.nodes, stated, &self.order, &self.matrix)
     }
 }
 

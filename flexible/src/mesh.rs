@@ -635,6 +635,10 @@ pub struct Mesh {
     /// Freedoms of matrices beside the file, in the order of their rows (`EXTRN`): number of the point, and
     /// freedom 1…6; 0 for a scalar point.
     pub boundary: Vec<(u64, u8)>,
+    /// Freedoms of the rows of a recovery matrix beside the file (`DTI,TUG1`), in the form of [`Mesh::boundary`]; not
+    /// stored.
+    #[serde(skip)]
+    pub recovered: Vec<(u64, u8)>,
     /// Matrices of the deck itself (`*MATRIX ASSEMBLE`); not stored.
     #[serde(skip)]
     pub matrices: Option<Box<DeckMatrices>>,

@@ -3,21 +3,22 @@
 mod candidates;
 mod interface;
 mod outline;
+mod recovered;
 mod report;
 mod surfaces;
 
 use eng_system::significant::short;
 pub use outline::{Outline, outline};
-pub use report::{BodyMass, ModeReport, Report, Served, Unserved};
+pub use report::{BodyMass, ModeReport, RecoveredNodes, Report, Served, Unserved};
 pub use surfaces::SurfaceRequest;
 
-use crate::error::FlexibleError;
+use crate::error::{FlexibleError, Part};
 use crate::fe::mass::rigid_motions;
 use crate::fe::vector::{cross, norm, subtract};
 use crate::fe::{
     self, FreedomMap, Mass, NodalMatrix, Reduction, RigidMass, Rules, assemble, from_matrices,
 };
-use crate::foreign::{ForeignMatrices, GivenModes};
+use crate::foreign::{ForeignMatrices, GivenModes, RecoveryMatrix};
 use crate::geometric::{Model, geometric};
 use crate::invariants::{Full, invariants};
 use crate::markers::{MarkerRequest, place};
@@ -31,6 +32,8 @@ use candidates::Candidates;
 use eng_system::flexible::Damping;
 use eng_system::reduced::{Invariants, ReducedBody, ReducedMarker};
 use interface::MarkerFreedoms;
+use recovered::Recovered;
+use std::ops::Range;
 
 /// Distance of nodes from a line, by its length, up to which they are on it. A choice: coordinates of a file
 /// may have six or seven digits, and a lever of a millionth holds no turn about the line.
@@ -92,6 +95,8 @@ pub struct Request {
     /// Stiffness and mass of another code in place of those of the elements. The elements then serve for
     /// pictures only.
     pub matrices: Option<ForeignMatrices>,
+    /// The motion of further nodes by the freedoms of these matrices. The mesh then is the interface alone.
+    pub recovery: Option<RecoveryMatrix>,
     /// Markers with elastic surfaces.
     pub surfaces: Vec<SurfaceRequest>,
     /// Loads at markers. [`Report::unserved`] lists those without a mode in the set.
@@ -149,16 +154,11 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
             advice: "leave geometric stiffness out, or let the elements of the mesh give stiffness and mass".into(),
         });
     }
-    let mut report = Report {
-        nodes: mesh.nodes.len(),
-        elements: mesh.elements.len(),
-        estimate: fe::volume::estimate(&mesh).map(BodyMass::from),
-        inventory: fe::Inventory::of(&mesh),
-        weight_check: mesh.weight_check.clone(),
-        ..Report::default()
-    };
+    let mut report = report_of(&mesh);
     // the rows belong to the mesh before markers add nodes
     let nodal = nodal(&mut mesh, request)?;
+    let recovered = nodal.as_ref().and_then(|own| own.recovered.as_ref());
+    let equations = recovered.map_or(0..0, |recovered| recovered.equations.clone());
     let places = place(&mut mesh, &request.markers)?;
     let prepared = surfaces::prepare(&mesh, request, &places)?;
     // the mass matrix of another code includes its point masses
@@ -251,6 +251,8 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         ratio: request.damping_ratio,
         up_to: request.damping_up_to,
     });
+    // the shapes contain them
+    mesh.ties.drain(equations);
     Ok(Reduced {
         body,
         shapes,
@@ -258,6 +260,18 @@ pub fn reduce(mut mesh: Mesh, request: &Request) -> Result<Reduced, FlexibleErro
         mesh,
         report,
     })
+}
+
+/// A report with the facts of the mesh alone.
+fn report_of(mesh: &Mesh) -> Report {
+    Report {
+        nodes: mesh.nodes.len(),
+        elements: mesh.elements.len(),
+        estimate: fe::volume::estimate(mesh).map(BodyMass::from),
+        inventory: fe::Inventory::of(mesh),
+        weight_check: mesh.weight_check.clone(),
+        ..Report::default()
+    }
 }
 
 /// T with the supports, and the stiffness over free freedoms. With the supports of a deck, freedoms without stiffness
@@ -332,18 +346,36 @@ fn only_tied(mesh: &Mesh, supports: &[Support]) -> bool {
 }
 
 /// Whether the matrices of another code for this mesh are those of a condensation: the mesh has only the
-/// nodes of the interface, whose mass is not one of elements, or there are scalar points.
-fn is_condensed(mesh: &Mesh, mass: &Mass) -> bool {
-    !mesh.scalar_points.is_empty() || mesh.elements.is_empty() && !mass.acts_alike()
+/// nodes of the interface, whose mass is not one of elements, or there are scalar points. The elements beside a recovery are
+/// for pictures.
+fn is_condensed(mesh: &Mesh, request: &Request, mass: &Mass) -> bool {
+    let without_elements = mesh.elements.is_empty() || request.recovery.is_some();
+    !mesh.scalar_points.is_empty() || without_elements && !mass.acts_alike()
 }
 
-/// The matrices of another code. Their scalar points that the mesh lacks join it, by ascending number.
-fn nodal(
-    mesh: &mut Mesh,
-    request: &Request,
-) -> Result<Option<(NodalMatrix, NodalMatrix)>, FlexibleError> {
+/// The matrices of another code with the freedoms of their rows.
+struct Nodal {
+    stiffness: NodalMatrix,
+    mass: NodalMatrix,
+    /// The nodes that they recover.
+    recovered: Option<Recovered>,
+}
+
+/// The matrices of another code. Their scalar points that the mesh lacks join it, by ascending number, and so do the nodes that
+/// they recover.
+fn nodal(mesh: &mut Mesh, request: &Request) -> Result<Option<Nodal>, FlexibleError> {
     let Some(foreign) = &request.matrices else {
-        return Ok(None);
+        return match &request.recovery {
+            None => Ok(None),
+            Some(recovery) => Err(FlexibleError::Matrix {
+                problem: format!(
+                    "{} recovers nodes from the freedoms of a stiffness of another code, but the elements of the mesh give the stiffness",
+                    recovery.title()
+                ),
+                advice: "give `stiffness` and `mass` of the same run, or leave `recovery` out".into(),
+            }
+            .of(Part::Recovery)),
+        };
     };
     let (stiffness, mass) = foreign.nodal(mesh)?;
     let rows = stiffness.rows.iter().chain(&mass.rows);
@@ -355,7 +387,28 @@ fn nodal(
     ids.sort_unstable();
     ids.dedup();
     mesh.scalar_points.extend(ids);
-    Ok(Some((stiffness, mass)))
+    let recovered = match &request.recovery {
+        Some(recovery) => {
+            if let Some(surface) = request.surfaces.first() {
+                return Err(FlexibleError::Structure {
+                    problem: format!(
+                        "an elastic surface needs the deformation under pressures on it, which the condensed freedoms of {} do not have",
+                        recovery.title()
+                    ),
+                    advice: "leave `surface` of the marker or `recovery` of the body out, or reduce the whole mesh".into(),
+                }
+                .of(Part::Marker(surface.marker)));
+            }
+            let attached = recovered::attach(mesh, recovery, &stiffness, &mass);
+            Some(attached.map_err(|error| error.of(Part::Recovery))?)
+        }
+        None => None,
+    };
+    Ok(Some(Nodal {
+        stiffness,
+        mass,
+        recovered,
+    }))
 }
 
 /// The invariants of a body with the shapes of a mode set. The terms of turning nodes and those of geometric
@@ -372,7 +425,8 @@ fn constants(
             freedoms: &model.full.freedoms,
             mass: &model.full.mass,
             rigid: model.motions,
-            condensed: request.matrices.is_some() && is_condensed(model.mesh, &model.full.mass),
+            condensed: request.matrices.is_some()
+                && is_condensed(model.mesh, request, &model.full.mass),
         },
         shapes,
         &set.stiffness,
@@ -505,10 +559,15 @@ fn of_deck(mesh: &Mesh) -> Result<Vec<Support>, FlexibleError> {
 fn matrices(
     mesh: &Mesh,
     request: &Request,
-    nodal: Option<(NodalMatrix, NodalMatrix)>,
+    nodal: Option<Nodal>,
     report: &mut Report,
 ) -> Result<(fe::Assembled, Vec<Support>), FlexibleError> {
-    let Some((stiffness, mass)) = nodal else {
+    let Some(Nodal {
+        stiffness,
+        mass,
+        recovered,
+    }) = nodal
+    else {
         let full = assemble(mesh, &request.rules)?;
         let differences = fe::form::warnings(mesh, &request.rules);
         report.warnings.extend(differences);
@@ -528,8 +587,14 @@ fn matrices(
     if held && is_structure(mesh, &mass, &stiffness) {
         return Err(exchanged(&stiffness, &mass));
     }
+    // the recovered nodes show nothing that the interface does not have
+    let joined = recovered.as_ref().map_or(0..0, |own| own.joined.clone());
     if !held && !request.is_held() {
-        check_movable(mesh, &found)?;
+        check_movable(mesh, &found, &joined)?;
+    }
+    if let Some(recovered) = recovered {
+        report.warnings.extend(recovered.note.clone());
+        report.recovered = Some(recovered.checked(held)?);
     }
     let (rigid, along) = full.mass.rigid_along(mesh);
     let most = along.into_iter().fold(0.0, f64::max);
@@ -545,8 +610,8 @@ fn matrices(
             short(rigid.mass, 5)
         ));
     }
-    if is_condensed(mesh, &full.mass) {
-        condensed(mesh, full, &mass.title, held, request, report)?;
+    if is_condensed(mesh, request, &full.mass) {
+        condensed((mesh, &joined), full, &mass.title, held, request, report)?;
     }
     let partly = found.missing.iter().filter(|s| s.components & 0b111 != 0);
     let absent: Vec<u64> = full
@@ -574,9 +639,9 @@ fn matrices(
     Ok((found.structure, found.missing))
 }
 
-/// Checks a condensed body, and warns of its estimated constants.
+/// Checks a condensed body, and warns of its estimated constants. Nodes that `joined` the interface are recovered.
 fn condensed(
-    mesh: &Mesh,
+    (mesh, joined): (&Mesh, &Range<usize>),
     full: &fe::Assembled,
     title: &str,
     held: bool,
@@ -598,7 +663,7 @@ fn condensed(
     if held || request.is_held() {
         return Ok(());
     }
-    if !turns(mesh, &full.freedoms) {
+    if !turns(mesh, &full.freedoms, joined) {
         return Err(FlexibleError::Structure {
             problem: format!("{title} does not show how the body turns: its nodes have no rotations and lie on one line"),
             advice: "keep the rotations of a node, or three nodes that are not on one line, in the condensation".into(),
@@ -613,15 +678,16 @@ fn condensed(
         "{title} is condensed to {} nodes{scalars}: mass, centre, inertia, momentum and frequencies are exact, but Coriolis forces are \
          those of the nodes, and deformation by its own spin is left out. This matters where the body turns with a notable part of \
          its first frequency",
-        mesh.nodes.len()
+        mesh.nodes.len() - joined.len()
     ));
     Ok(())
 }
 
-/// Whether the freedoms of the nodes follow every rotation of the body.
-fn turns(mesh: &Mesh, freedoms: &FreedomMap) -> bool {
+/// Whether the freedoms of the nodes other than the `joined` ones follow every rotation of the body.
+fn turns(mesh: &Mesh, freedoms: &FreedomMap, joined: &Range<usize>) -> bool {
     let used = (0u32..)
         .zip(&mesh.nodes)
+        .filter(|(node, _)| !joined.contains(&(*node as usize)))
         .filter(|(node, _)| !freedoms.of(*node).is_empty());
     let places: Vec<[f64; 3]> = used.clone().map(|(_, node)| node.position).collect();
     let Some(first) = places.first() else {
@@ -674,8 +740,12 @@ fn exchanged(stiffness: &NodalMatrix, mass: &NodalMatrix) -> FlexibleError {
     }
 }
 
-/// Refuses a free structure whose matrices lack a whole direction.
-fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), FlexibleError> {
+/// Refuses a free structure whose matrices lack a whole direction. The `joined` nodes have no rows in them.
+fn check_movable(
+    mesh: &Mesh,
+    found: &fe::ForeignStructure,
+    joined: &Range<usize>,
+) -> Result<(), FlexibleError> {
     let freedoms = &found.structure.freedoms;
     let missing = |node: u32| -> u8 {
         let own = found.missing.iter().filter(|support| support.node == node);
@@ -685,7 +755,7 @@ fn check_movable(mesh: &Mesh, found: &fe::ForeignStructure) -> Result<(), Flexib
     let mut absent: Vec<(u64, Vec<&str>)> = Vec::new();
     for (index, node) in (0u32..).zip(&mesh.nodes) {
         let count = freedoms.of(index).len();
-        if count == 0 {
+        if count == 0 || joined.contains(&(index as usize)) {
             continue;
         }
         let missing = missing(index);

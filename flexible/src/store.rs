@@ -23,7 +23,7 @@ use thiserror::Error;
 
 /// Version of the format. It also rises when the same input gives other numbers, because it is part of the
 /// key.
-pub const FORMAT_VERSION: u32 = 23;
+pub const FORMAT_VERSION: u32 = 24;
 
 /// A byte that no text begins with, a name, and a line's end that a transfer as text would spoil.
 const MAGIC: [u8; 8] = *b"\x8bENGRB\r\n";

@@ -25,10 +25,10 @@ use faer::{Mat, Side};
 
 /// Files of CalculiX, and others in memory.
 #[derive(Clone, Default)]
-struct Memory(BTreeMap<String, String>);
+pub struct Memory(BTreeMap<String, String>);
 
 impl Memory {
-    fn with(mut self, name: &str, text: String) -> Self {
+    pub fn with(mut self, name: &str, text: String) -> Self {
         self.0.insert(name.into(), text);
         self
     }
@@ -43,20 +43,20 @@ impl Files for Memory {
     }
 }
 
-fn units() -> MeshUnits {
+pub fn units() -> MeshUnits {
     MeshUnits::named("mm_tonne_s").unwrap()
 }
 
-fn in_si(mut mesh: Mesh) -> Mesh {
+pub fn in_si(mut mesh: Mesh) -> Mesh {
     mesh.convert(&units());
     mesh
 }
 
-fn bar() -> Mesh {
+pub fn bar() -> Mesh {
     read_inp(&Memory::default(), "twisted.inp.gz", Code::CalculiX).unwrap()
 }
 
-fn file<'a>(
+pub fn file<'a>(
     file: &'a str,
     format: MatrixFormat,
     name: &'a str,
@@ -70,7 +70,7 @@ fn file<'a>(
     }
 }
 
-fn of_bar() -> ForeignMatrices {
+pub fn of_bar() -> ForeignMatrices {
     let list = Some("twisted.dof.gz");
     let stiffness = file("twisted.sti.gz", MatrixFormat::CalculiX, "", list);
     let mass = file("twisted.mas.gz", MatrixFormat::CalculiX, "", list);
@@ -84,11 +84,15 @@ const MODES: usize = 6;
 const FIRST: u64 = 9001;
 
 /// The condensed bar: its interface, and the rows and matrices in mm, tonne, s.
-struct Condensed {
-    nodes: Vec<(u64, [f64; 3])>,
-    rows: Vec<(u64, u8)>,
-    stiffness: Mat<f64>,
-    mass: Mat<f64>,
+pub struct Condensed {
+    pub nodes: Vec<(u64, [f64; 3])>,
+    pub rows: Vec<(u64, u8)>,
+    pub stiffness: Mat<f64>,
+    pub mass: Mat<f64>,
+    /// The freedoms of the whole mesh.
+    pub all: Vec<(u64, u8)>,
+    /// Their motion by the freedoms of the rows.
+    pub basis: Mat<f64>,
 }
 
 impl Condensed {
@@ -158,7 +162,7 @@ fn part(matrix: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
 
 /// Craig and Bampton (AIAA J. 6 (1968) 1313): `u_i = −K_ii⁻¹ K_ib u_b + Φ η` with the lowest modes Φ of the
 /// held interface. Their scale is arbitrary and differs from mode to mode.
-fn condensed() -> Condensed {
+pub fn condensed() -> Condensed {
     let (stiffness, mass) = (dense_of("twisted.sti.gz"), dense_of("twisted.mas.gz"));
     let list = read_calculix_freedoms(&Memory::default(), "twisted.dof.gz").unwrap();
     let mesh = bar();
@@ -215,11 +219,13 @@ fn condensed() -> Condensed {
         rows,
         stiffness: symmetric(basis.transpose() * &stiffness * &basis),
         mass: symmetric(basis.transpose() * &mass * &basis),
+        all: list.rows,
+        basis,
     }
 }
 
 /// Markers at the nodes of the interface, and all the shapes that the condensed body has.
-fn request(condensed: &Condensed) -> Request {
+pub fn request(condensed: &Condensed) -> Request {
     let interface: Vec<Interface> = (0..condensed.nodes.len())
         .map(|marker| Interface {
             marker,
@@ -249,12 +255,12 @@ fn request(condensed: &Condensed) -> Request {
     }
 }
 
-fn done(result: Result<Reduced, FlexibleError>) -> Reduced {
+pub fn done(result: Result<Reduced, FlexibleError>) -> Reduced {
     result.unwrap_or_else(|error| panic!("{error} ({})", error.advice()))
 }
 
 /// The largest difference of two lists, by the largest entry.
-fn apart(found: &[f64], exact: &[f64]) -> f64 {
+pub fn apart(found: &[f64], exact: &[f64]) -> f64 {
     assert_eq!(found.len(), exact.len());
     let largest = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let differences = found.iter().zip(exact).map(|(x, y)| (x - y).abs());
@@ -263,7 +269,7 @@ fn apart(found: &[f64], exact: &[f64]) -> f64 {
 
 /// `Φ (k − ω² m)⁻¹ Φᵀ` between the translations of all markers: it depends neither on signs nor on scales of
 /// modes.
-fn flexibility(reduced: &Reduced, hertz: f64) -> Vec<f64> {
+pub fn flexibility(reduced: &Reduced, hertz: f64) -> Vec<f64> {
     let square = (2.0 * std::f64::consts::PI * hertz).powi(2);
     let n = reduced.body.invariants.modes;
     let markers = reduced.body.markers.iter();
@@ -390,23 +396,23 @@ fn condensed_bodies_of_every_form_are_those_of_the_mesh() {
     );
 }
 
+/// A dense matrix as text.
+pub fn table(matrix: &Mat<f64>) -> String {
+    let line = |i: usize| {
+        (0..matrix.ncols())
+            .map(|j| format!("{:e}", matrix[(i, j)]))
+            .collect::<Vec<_>>()
+            .join(",")
+    };
+    (0..matrix.nrows()).map(|i| line(i) + "\n").collect()
+}
+
 /// Nodes, matrices and rows as tables.
-fn tables(own: &Condensed) -> Memory {
+pub fn tables(own: &Condensed) -> Memory {
     let mut nodes = String::from("node,x,y,z\n");
     for (id, [x, y, z]) in &own.nodes {
         nodes += &format!("{id},{x},{y},{z}\n");
     }
-    let table = |matrix: &Mat<f64>| {
-        let line = |i: usize| {
-            (0..matrix.ncols())
-                .map(|j| format!("{:e}", matrix[(i, j)]))
-                .collect::<Vec<_>>()
-                .join(",")
-        };
-        (0..matrix.nrows())
-            .map(|i| line(i) + "\n")
-            .collect::<String>()
-    };
     let rows = own
         .rows
         .iter()

@@ -53,6 +53,7 @@ mod nastran_structure;
 mod nastran_tapers;
 mod nastran_weight;
 mod quadrature;
+mod recovered_nodes;
 mod recovery;
 mod reduce_crank;
 mod reduce_errors;

@@ -90,7 +90,10 @@ impl Inspections {
         };
         let mut found = plausibility::doubts(&MeshFacts::of(&mesh), source);
         found.extend(plausibility::refusal(&mesh, source).map(|refusal| *refusal));
-        found.extend(wrong_markers(&mesh, source));
+        // markers may use nodes that a matrix recovers, which the compilation of the model reads
+        if source.recovery.is_none() {
+            found.extend(wrong_markers(&mesh, source));
+        }
         if !found.iter().any(|d| d.severity == Severity::Error) {
             // the compilation of the model reports an error of the matrices
             let _ = self.make(key, &files, (mesh, units), source);

@@ -24,7 +24,7 @@ use eng_flexible::store::{Key, StoredBody};
 use eng_flexible::units::MeshUnits;
 use eng_flexible::{Files, FlexibleError, Part, read_mesh};
 use eng_grammar::Diagnostic;
-use eng_system::flexible::{FlexibleSource, MatrixSource, MeshSource, StackSource};
+use eng_system::flexible::{FlexibleSource, MatrixSource, MeshFile, MeshSource, StackSource};
 use eng_system::reduced::ReducedBody;
 use eng_system::system::Location;
 use std::io::Read;
@@ -135,31 +135,33 @@ fn stack_failed(error: &StackError, source: &StackSource) -> Box<Diagnostic> {
     Box::new(message)
 }
 
+/// Reads a mesh in SI, and returns the units of its file.
+fn mesh_of_file(files: &dyn Files, file: &MeshFile) -> Result<(Mesh, MeshUnits), Box<Diagnostic>> {
+    let wrong = |e| failed(codes::MESH, &e, file.at, "this mesh");
+    let read = match &file.shells {
+        None => read_mesh(files, &file.file, file.format),
+        Some(shells) => {
+            let unit = file.units.map_or(1.0, |units| units.length);
+            let shells = ShellGroups {
+                groups: &shells.groups,
+                thickness: shells.thickness / unit,
+            };
+            read_mesh_with_shells(files, &file.file, file.format, shells)
+        }
+    };
+    let mut mesh = read.map_err(wrong)?;
+    let units = plausibility::units(&mut mesh, file).map_err(wrong)?;
+    mesh.convert(&units);
+    Ok((mesh, units))
+}
+
 /// Reads or makes a mesh in SI, with its material, and returns the units of its files.
 fn mesh_of(
     files: &dyn Files,
     source: &FlexibleSource,
 ) -> Result<(Mesh, MeshUnits), Box<Diagnostic>> {
-    let at = source.mesh.at();
     let (mut mesh, units) = match &source.mesh {
-        MeshSource::File(file) => {
-            let wrong = |e| failed(codes::MESH, &e, at, "this mesh");
-            let read = match &file.shells {
-                None => read_mesh(files, &file.file, file.format),
-                Some(shells) => {
-                    let unit = file.units.map_or(1.0, |units| units.length);
-                    let shells = ShellGroups {
-                        groups: &shells.groups,
-                        thickness: shells.thickness / unit,
-                    };
-                    read_mesh_with_shells(files, &file.file, file.format, shells)
-                }
-            };
-            let mut mesh = read.map_err(wrong)?;
-            let units = plausibility::units(&mut mesh, file).map_err(wrong)?;
-            mesh.convert(&units);
-            (mesh, units)
-        }
+        MeshSource::File(file) => mesh_of_file(files, file)?,
         MeshSource::Stack(stack) => {
             let mesh = stack_mesh(&stack.stack).map_err(|error| stack_failed(&error, stack))?;
             (mesh, MeshUnits::SI)
@@ -329,10 +331,12 @@ fn reduced(
 fn reduction_failed(error: &FlexibleError, source: &FlexibleSource) -> Box<Diagnostic> {
     let marker = |index: usize| source.markers.get(index).map(|marker| marker.at);
     let matrix = |matrix: &Option<MatrixSource>| matrix.as_ref().map(|matrix| matrix.at);
+    let recovery = || source.recovery.as_ref().map(|recovery| recovery.matrix.at);
     let (code, at, label) = match error.part() {
         Some(Part::Marker(index)) => (codes::MESH_MARKER, marker(index), "this marker"),
         Some(Part::Stiffness) => (codes::REDUCTION, matrix(&source.stiffness), "this matrix"),
         Some(Part::Mass) => (codes::REDUCTION, matrix(&source.mass), "this matrix"),
+        Some(Part::Recovery) => (codes::REDUCTION, recovery(), "this matrix"),
         None => (codes::REDUCTION, None, ""),
     };
     match at {

@@ -2,7 +2,7 @@
 
 use super::plausibility;
 use eng_flexible::fe::Rules;
-use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile};
+use eng_flexible::foreign::{ForeignMatrices, GivenModes, MatrixFile, RecoveryMatrix};
 use eng_flexible::markers::MarkerRequest;
 use eng_flexible::mesh::Mesh;
 use eng_flexible::read::matrix::read_modes;
@@ -43,6 +43,10 @@ pub(super) fn request(
             None => None,
         },
     };
+    let recovery = match &source.recovery {
+        Some(stated) => Some(recovery(stated, files, units)?),
+        None => None,
+    };
     Ok(Request {
         rules: rules(source.element_rules),
         markers: source.markers.iter().map(marker).collect(),
@@ -68,6 +72,7 @@ pub(super) fn request(
         damping_up_to: f64::INFINITY,
         geometric_stiffness: source.geometric_stiffness,
         matrices,
+        recovery,
         surfaces: (0..)
             .zip(&source.markers)
             .filter_map(|(marker, source)| {
@@ -87,10 +92,9 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
         .iter()
         .map(|m| (&m.name, &m.place, m.tied, m.axes, m.surface))
         .collect();
-    let matrix = |m: &Option<text::MatrixSource>| {
-        m.as_ref()
-            .map(|m| (m.format, m.matrix.clone(), m.freedoms.clone(), m.per_node))
-    };
+    let matrix =
+        |m: &text::MatrixSource| (m.format, m.matrix.clone(), m.freedoms.clone(), m.per_node);
+    let recovery = source.recovery.as_ref();
     let modes: Vec<String> = source
         .modes
         .iter()
@@ -104,8 +108,9 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
         "{:?}",
         (
             mesh_text(&source.mesh),
-            matrix(&source.stiffness),
-            matrix(&source.mass),
+            source.stiffness.as_ref().map(matrix),
+            source.mass.as_ref().map(matrix),
+            recovery.map(|own| (matrix(&own.matrix), file_text(&own.nodes), own.tolerance)),
             source.material.map(|m| (m.young, m.poisson, m.density)),
             &source.element_rules,
             markers,
@@ -123,28 +128,39 @@ pub(super) fn text(source: &text::FlexibleSource) -> String {
 /// The data of a mesh that its file does not hold.
 fn mesh_text(source: &text::MeshSource) -> String {
     match source {
-        text::MeshSource::File(mesh) => {
-            let data = (
-                &mesh.format,
-                &mesh.units,
-                plausibility::units_are_ignored(mesh),
-                &mesh.shells,
-            );
-            format!("{data:?}")
-        }
+        text::MeshSource::File(mesh) => file_text(mesh),
         // each number has all its digits
         text::MeshSource::Stack(stack) => format!("{:?}", stack.stack),
     }
+}
+
+/// The same of a mesh in a file.
+fn file_text(mesh: &text::MeshFile) -> String {
+    let data = (
+        &mesh.format,
+        &mesh.units,
+        plausibility::units_are_ignored(mesh),
+        &mesh.shells,
+    );
+    format!("{data:?}")
 }
 
 /// The files that the text names.
 pub(super) fn files(source: &text::FlexibleSource) -> Vec<&str> {
     let mut files: Vec<&str> = Vec::new();
     files.extend(source.mesh.file().map(|mesh| mesh.file.as_str()));
-    for matrix in source.stiffness.iter().chain(&source.mass) {
+    let recovery = source.recovery.as_ref();
+    let recovering = recovery.map(|recovery| &recovery.matrix);
+    for matrix in source
+        .stiffness
+        .iter()
+        .chain(&source.mass)
+        .chain(recovering)
+    {
         files.push(&matrix.file);
         files.extend(matrix.freedoms.as_deref());
     }
+    files.extend(recovery.map(|recovery| recovery.nodes.file.as_str()));
     for term in &source.modes {
         if let text::ModeTerm::Given { file, .. } = term {
             files.push(file);
@@ -168,6 +184,19 @@ fn matrices(
         };
         super::failed(crate::codes::REDUCTION, &e, at, "this matrix")
     })
+}
+
+/// The matrix that recovers nodes, in the units of the mesh.
+fn recovery(
+    stated: &text::RecoverySource,
+    files: &dyn Files,
+    units: MeshUnits,
+) -> Result<RecoveryMatrix, Box<Diagnostic>> {
+    let (nodes, _) = super::mesh_of_file(files, &stated.nodes)?;
+    let file = matrix_file(&stated.matrix);
+    let per_node = stated.matrix.per_node;
+    RecoveryMatrix::read(files, file, per_node, (nodes, units), stated.tolerance)
+        .map_err(|e| super::failed(crate::codes::REDUCTION, &e, stated.matrix.at, "this matrix"))
 }
 
 fn matrix_file(source: &text::MatrixSource) -> MatrixFile<'_> {

@@ -5,7 +5,7 @@ use crate::counted::counted;
 use eng_flexible::fe::quality::{LONG, SHARP};
 use eng_flexible::fe::{Inventory, Worst};
 use eng_flexible::mesh::WeightCheck;
-use eng_flexible::reduce::BodyMass;
+use eng_flexible::reduce::{BodyMass, RecoveredNodes};
 use eng_system::significant::{fixed, short, significant};
 use std::fmt::{self, Write};
 
@@ -67,6 +67,9 @@ impl Reduction {
         }
         if let Some(check) = &report.weight_check {
             writeln!(out, "  {}", weight_check(check, &report.body, size))?;
+        }
+        if let Some(recovered) = &report.recovered {
+            writeln!(out, "  {}", recovered_nodes(recovered))?;
         }
         self.write_inventory(out, size)?;
         for dropped in &report.dropped {
@@ -294,6 +297,19 @@ pub fn properties(body: &BodyMass, size: f64) -> String {
         shown(j[2][0]),
         inertia.symbol
     )
+}
+
+/// The number of nodes that a matrix recovers, and how much of a rigid motion of the interface they miss.
+fn recovered_nodes(recovered: &RecoveredNodes) -> String {
+    let nodes = counted(recovered.nodes, "node", "nodes");
+    let title = &recovered.title;
+    match recovered.deviation {
+        Some(deviation) => format!(
+            "{nodes} by {title}; they follow rigid motions of the interface within {}",
+            short(deviation, 2)
+        ),
+        None => format!("{nodes} by {title}"),
+    }
 }
 
 /// The mass and centre that the file of the mesh states, and their differences from those of the body. `size` (m) is about the body's.

@@ -39,6 +39,8 @@ pub struct FlexibleSource {
     pub stiffness: Option<MatrixSource>,
     /// Mass from a file; `None`: from the mesh's elements.
     pub mass: Option<MatrixSource>,
+    /// Nodes whose motion follows from the freedoms of stiffness and mass by a matrix of a file.
+    pub recovery: Option<RecoverySource>,
     /// The material for a mesh without one.
     pub material: Option<MaterialSource>,
     /// The integration of elements; `None`: by the rules of the file's code, with exact mass.
@@ -150,6 +152,17 @@ pub struct MatrixSource {
     pub per_node: Option<u8>,
     /// Place of the source in the text.
     pub at: Location,
+}
+
+/// Nodes whose motion a matrix of a file recovers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecoverySource {
+    /// The matrix, with the freedoms of its rows. Its columns follow the rows of the stiffness.
+    pub matrix: MatrixSource,
+    /// The nodes, with cells for pictures.
+    pub nodes: MeshFile,
+    /// The largest share of a rigid motion that the nodes may miss.
+    pub tolerance: f64,
 }
 
 /// An isotropic material, in SI.

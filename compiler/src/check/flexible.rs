@@ -19,12 +19,13 @@ use eng_system::Dimension;
 use eng_system::flexible::FREEDOM_NAMES;
 
 /// Attributes of a flexible body; the first three are required.
-const ATTRIBUTES: [&str; 9] = [
+const ATTRIBUTES: [&str; 10] = [
     "mesh",
     "modes",
     "damping",
     "stiffness",
     "mass",
+    "recovery",
     "material",
     "support",
     "element_rules",
@@ -68,6 +69,7 @@ impl<'p> Checker<'p> {
         match name.text.as_str() {
             "mesh" => self.worded(scope, Place::Mesh, value),
             "stiffness" | "mass" => self.worded(scope, Place::Matrix, value),
+            "recovery" => self.worded(scope, Place::Recovery, value),
             "modes" => self.modes(scope, value),
             "damping" => match &value.kind {
                 ExprKind::Call { callee, .. } if called(callee, Place::Damping).is_some() => {
@@ -184,7 +186,7 @@ impl<'p> Checker<'p> {
                 .with_help("add `material = Steel` with `use std.materials.Steel`"),
             );
         }
-        for name in ["stiffness", "mass"] {
+        for name in ["stiffness", "mass", "recovery"] {
             if let Some(given) = attribute(name) {
                 self.report(
                     Diagnostic::error(
@@ -427,6 +429,10 @@ impl<'p> Checker<'p> {
             }
             Takes::Surface => {
                 self.worded(scope, Place::Surface, value);
+                return;
+            }
+            Takes::Mesh => {
+                self.worded(scope, Place::Mesh, value);
                 return;
             }
             Takes::Sections => {

@@ -37,7 +37,7 @@ pub struct ForeignStructure {
 }
 
 /// Rows of a matrix by place in the mesh: index of the node and component.
-fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleError> {
+pub(crate) fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleError> {
     let title = &matrix.title;
     if matrix.rows.len() != matrix.matrix.size() {
         return Err(FlexibleError::Matrix {
@@ -99,7 +99,7 @@ fn places(mesh: &Mesh, matrix: &NodalMatrix) -> Result<Vec<(u32, u8)>, FlexibleE
 
 /// The components of each node (bits 0…5) that have an entry other than zero; then those of scalar points
 /// (bit 0).
-fn moved(mesh: &Mesh, parts: [(&NodalMatrix, &[(u32, u8)]); 2]) -> Vec<u8> {
+pub(crate) fn moved(mesh: &Mesh, parts: [(&NodalMatrix, &[(u32, u8)]); 2]) -> Vec<u8> {
     let count = mesh.nodes.len();
     let mut moved = vec![0u8; count + mesh.scalar_points.len()];
     let mut note = |(node, component): (u32, u8)| {

@@ -343,7 +343,7 @@ pub(super) fn is_isotropic(point: &PointMass) -> bool {
 
 /// Direction in basic axes of a component 0…5 of a node of a checked mesh: the axis of its analysis frame for
 /// this translation or rotation.
-pub(super) fn direction(mesh: &Mesh, node: u32, component: u8) -> [f64; 3] {
+pub(crate) fn direction(mesh: &Mesh, node: u32, component: u8) -> [f64; 3] {
     let axis = usize::from(component % 3);
     let frame = mesh
         .nodes

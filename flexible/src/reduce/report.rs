@@ -41,10 +41,24 @@ pub struct Report {
     pub weight_check: Option<WeightCheck>,
     /// The contents of the mesh, and the shape of its elements.
     pub inventory: Inventory,
+    /// The nodes that a matrix of another code recovers.
+    pub recovered: Option<RecoveredNodes>,
     /// The interface motion of each static mode, in the order of the terms.
     pub served: Vec<Served>,
     /// Requested loads without a mode.
     pub unserved: Vec<Unserved>,
+}
+
+/// Nodes whose motion a matrix of another code recovers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecoveredNodes {
+    /// File and name of the matrix.
+    pub title: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// The largest share of a rigid motion of the interface that a node misses. `None` for matrices of a held structure, whose
+    /// interface does not move rigidly.
+    pub deviation: Option<f64>,
 }
 
 /// A mode of the orthonormal set.

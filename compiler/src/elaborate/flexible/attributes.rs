@@ -9,7 +9,7 @@ use crate::words::{Place, Word, argument, word};
 use eng_grammar::ast::ExprKind;
 use eng_grammar::{Diagnostic, Span, ast};
 use eng_system::flexible::{
-    Damping, MaterialSource, MatrixSource, MeshFile, MeshSource, ShellSurfaces,
+    Damping, MaterialSource, MatrixSource, MeshFile, MeshSource, RecoverySource, ShellSurfaces,
 };
 use eng_system::mesh_files::{MatrixFormat, MeshFormat, Stated as _};
 use eng_system::significant::short;
@@ -17,6 +17,10 @@ use eng_system::significant::short;
 /// Damping ratio of all modes above which a value is implausible for a structure. A choice: steel structures
 /// have some per cent, rubber mounts ten and more.
 const MUCH_DAMPING: f64 = 0.2;
+
+/// The largest share of a rigid motion that recovered nodes may miss unless the text states another one. A choice: files of
+/// five digits miss less, and columns in a wrong order miss far more.
+const RIGID_MOTION: f64 = 1e-3;
 
 impl<'a> Elaborator<'a, '_> {
     pub(super) fn mesh_source(&mut self, value: &'a ast::Expr, scope: ScopeId) -> Eval<MeshSource> {
@@ -95,12 +99,14 @@ impl<'a> Elaborator<'a, '_> {
         ))
     }
 
+    /// A matrix of a file, by a word of [`Place::Matrix`] or [`Place::Recovery`].
     pub(super) fn matrix_source(
         &mut self,
+        place: Place,
         value: &'a ast::Expr,
         scope: ScopeId,
     ) -> Eval<MatrixSource> {
-        let (word, arguments) = self.worded(Place::Matrix, value)?;
+        let (word, arguments) = self.worded(place, value)?;
         let file = self.text_of(argument(word, arguments, "file"), scope)?;
         let file = self.checked(file, value.span, "a matrix without a file")?;
         let format = MatrixFormat::named(word.word);
@@ -115,6 +121,61 @@ impl<'a> Elaborator<'a, '_> {
                 None => None,
             },
             at: location(value.span),
+        })
+    }
+
+    /// The matrix that recovers nodes, with these nodes.
+    pub(super) fn recovery_source(
+        &mut self,
+        value: &'a ast::Expr,
+        scope: ScopeId,
+    ) -> Eval<RecoverySource> {
+        let matrix = self.matrix_source(Place::Recovery, value, scope)?;
+        let (word, arguments) = self.worded(Place::Recovery, value)?;
+        if matrix.freedoms.is_some() && matrix.per_node.is_some() {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE_MATRICES,
+                    "`freedoms` and `per_node` both state the freedoms of the rows",
+                )
+                .at(value.span, "of this matrix")
+                .with_help("leave one out"),
+            ));
+        }
+        let stated = argument(word, arguments, "nodes");
+        let stated = self.checked(stated, value.span, "a recovery without nodes")?;
+        let MeshSource::File(nodes) = self.mesh_source(stated, scope)? else {
+            return Err(self.report(
+                Diagnostic::error(
+                    codes::FLEXIBLE,
+                    "the nodes of a recovery are those of another code",
+                )
+                .at(stated.span, "stacked sections have nodes of their own")
+                .with_help(
+                    "name the file of the nodes, such as `csv(\"inner.csv\", units: mm_tonne_s)`",
+                ),
+            ));
+        };
+        let tolerance = match argument(word, arguments, "tolerance") {
+            Some(expr) => {
+                let tolerance = self.structural_number(expr, scope)?;
+                if !(tolerance > 0.0 && tolerance.is_finite()) {
+                    return Err(self.report(
+                        Diagnostic::error(
+                            codes::FLEXIBLE_NUMBER,
+                            format!("`tolerance` of `{}` must be positive", word.word),
+                        )
+                        .at(expr.span, format!("this is {}", short(tolerance, 4))),
+                    ));
+                }
+                tolerance
+            }
+            None => RIGID_MOTION,
+        };
+        Ok(RecoverySource {
+            matrix,
+            nodes,
+            tolerance,
         })
     }
 

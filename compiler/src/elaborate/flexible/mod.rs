@@ -121,7 +121,7 @@ impl<'a> Elaborator<'a, '_> {
         self.draft.flexible.push(None);
         let (markers, known) = self.markers_of_block(block, reference, own, &path);
         let mut mesh = None;
-        let (mut stiffness, mut mass, mut material) = (None, None, None);
+        let (mut stiffness, mut mass, mut recovery, mut material) = (None, None, None, None);
         let mut element_rules = None;
         let (mut support, mut support_span) = (Supports::default(), None);
         let (mut terms, mut modes_at) = (Vec::new(), None);
@@ -134,8 +134,9 @@ impl<'a> Elaborator<'a, '_> {
             let value = &a.value;
             match a.name.text.as_str() {
                 "mesh" => mesh = Some(self.mesh_source(value, own)?),
-                "stiffness" => stiffness = Some(self.matrix_source(value, own)?),
-                "mass" => mass = Some(self.matrix_source(value, own)?),
+                "stiffness" => stiffness = Some(self.matrix_source(Place::Matrix, value, own)?),
+                "mass" => mass = Some(self.matrix_source(Place::Matrix, value, own)?),
+                "recovery" => recovery = Some(self.recovery_source(value, own)?),
                 "material" => material = Some(self.material_source(value, own)?),
                 "element_rules" => element_rules = meaning(value),
                 "support" => {
@@ -175,6 +176,7 @@ impl<'a> Elaborator<'a, '_> {
                 mesh,
                 stiffness,
                 mass,
+                recovery,
                 material,
                 element_rules,
                 markers: sources,

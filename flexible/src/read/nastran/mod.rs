@@ -323,6 +323,7 @@ impl Deck {
         mesh.boundary = self
             .supports
             .boundary(&mesh.interface, &mesh.nodes, &lookup);
+        mesh.recovered = self.supports.recovered();
         mesh.weight_check = case.weight.check(&mesh, self.mass_scale);
         mesh.unread = self.unread.into_list();
         mesh.doubts = self.doubts;

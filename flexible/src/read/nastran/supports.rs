@@ -42,6 +42,8 @@ pub(super) struct Supports {
     modal: Vec<u64>,
     /// Points of an external superelement with their freedoms (`EXTRN`).
     external: Vec<(u64, u8)>,
+    /// Points and freedoms of the rows of a recovery matrix (`DTI,TUG1`).
+    recovered: Vec<(u64, u8)>,
     /// The first card that asks for a static condensation: its name and place.
     condensed: Option<(String, At)>,
 }
@@ -108,6 +110,10 @@ impl Supports {
                     self.external.push((id, components));
                     i += 2;
                 }
+            }
+            // record 2 lists the rows; the others repeat sizes and names
+            "DTI" if card.text(0) == "TUG1" && card.text(1) == "2" => {
+                self.recovered = recovered_rows(card)?;
             }
             "OMIT" | "OMIT1" => {
                 self.condensed
@@ -223,10 +229,41 @@ impl Supports {
         }
     }
 
+    /// Points and freedoms of the rows of the recovery matrix of displacements.
+    pub fn recovered(&self) -> Vec<(u64, u8)> {
+        self.recovered.clone()
+    }
+
     /// The sets of equations that apply; `None` means all.
     pub fn equations(&self, selection: &Selection) -> Result<Option<BTreeSet<u64>>, FileProblem> {
         chosen(selection, &self.equation_sums, &self.equation_sets, "MPC")
     }
+}
+
+/// First field of the list in record 2 of `DTI,TUG1`, after blank fields and two times the words TYPE, ID, COMP, ROW.
+const FIRST_ROW: usize = 16;
+
+/// The rows that record 2 of `DTI,TUG1` lists, as `EXTSEOUT` of MSC and NX Nastran writes it: TYPE (1 a grid point, 2 a scalar
+/// point), ID, number of freedoms, number of the first row. pyYeti reads it in this way (`nastran.bulk.rddtipch`).
+fn recovered_rows(card: &Card) -> Result<Vec<(u64, u8)>, FileProblem> {
+    let mut rows = Vec::new();
+    let mut i = FIRST_ROW;
+    while i < card.len() && card.text(i) != "ENDREC" {
+        let (kind, id) = (card.id(i, "TYPE")?, card.id(i + 1, "ID")?);
+        let (count, row) = (card.id(i + 2, "COMP")?, card.id(i + 3, "ROW")?);
+        if count > 6 || row != rows.len() as u64 + 1 {
+            return Err(card.problem(
+                &format!(
+                    "point {id} has {count} freedoms from row {row} on, after {} rows",
+                    rows.len()
+                ),
+                "write or copy the file again: points have six freedoms at most, and their rows follow each other",
+            ));
+        }
+        rows.extend((1..=count as u8).map(|freedom| (id, if kind == 1 { freedom } else { 0 })));
+        i += 4;
+    }
+    Ok(rows)
 }
 
 fn entry(card: &Card, set: u64, parts: Vec<(Ids, u8)>) -> Entry {

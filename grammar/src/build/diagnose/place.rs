@@ -105,6 +105,7 @@ impl Place {
                 "support",
                 "stiffness",
                 "mass",
+                "recovery",
                 "material",
                 "element_rules",
                 "geometric_stiffness",
